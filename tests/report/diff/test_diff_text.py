@@ -3,6 +3,7 @@ from dataclasses import replace
 import pytest
 
 import tracerisk
+from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.verdict import Coverage, Reason, Verdict
 from tracerisk.prm import FIGURE_STATEMENT
 from tracerisk.prm.review.change_records import RunVerdicts
@@ -368,3 +369,17 @@ def test_what_changes_do_only_together_is_shown_where_it_is_no_noise(
     diff = difference(one_step("power = 1e-5 of2"), one_step(f"power = {after}"))
     text = render_diff(review_of(diff))
     assert ("what they do only together, and noise" in text) is is_shown
+
+
+def test_many_other_times_are_one_line_with_how_long_the_arm_is_under_way(difference, review_of):
+    pace = tuple(f"the way to rest {number} of 9 takes 2.0 s, before: 1.0 s" for number in range(9))
+    outcome = OutcomeChanges(pace=pace, arm_s=(48.6, 60.1))
+    diff = replace(difference(one_step("motor = 4e-8"), one_step("motor = 4e-8")), outcome=outcome)
+    text = render_diff(review_of(diff))
+    assert "the arm is under way for 60.1 s, before: 48.6 s" in text
+    assert "9 ways and rests take another time; --json lists them" in text
+    assert "the way to rest" not in text
+    few = replace(diff, outcome=replace(outcome, pace=pace[:2]))
+    assert "the way to rest 1 of 9" in render_diff(review_of(few))
+    gone_wrong = RunVerdicts(run_of("complete"), run_of("faulted", "raised"))
+    assert "under way" not in render_diff(review_of(replace(diff, verdicts=gone_wrong)))

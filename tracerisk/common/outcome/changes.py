@@ -63,6 +63,8 @@ class OutcomeChanges:
     """Whether `lost` is only rests that are elsewhere now, and other ways between rests."""
     newly_moved: tuple[str, ...] = ()
     """The names of objects that only the later run moves."""
+    arm_s: tuple[float | None, float | None] = (None, None)
+    """How long the arm is under way before and after [s], as `Outcome.under_way_s`."""
 
     def __bool__(self) -> bool:
         return bool(self.result or self.lost or self.added or self.pace)
@@ -97,11 +99,10 @@ def outcome_changes(
     lost, added = comparison.way()
     result = (*objects, *cell, *comparison.last_rest())
     kinds = (result, lost, added, comparison.pace())
-    told = [tuple(dict.fromkeys(sentences)) for sentences in kinds]
-    is_other_way = bool(lost) and set(lost) <= comparison.other_places()
-    return OutcomeChanges(
-        told[0], told[1], told[2], told[3], is_other_way=is_other_way, newly_moved=moved
-    )
+    ends, gone, come, pace = (tuple(dict.fromkeys(sentences)) for sentences in kinds)
+    is_other = bool(lost) and set(lost) <= comparison.other_places()
+    times = old.under_way_s, new.under_way_s
+    return OutcomeChanges(ends, gone, come, pace, is_other, newly_moved=moved, arm_s=times)
 
 
 @dataclass(frozen=True, slots=True)

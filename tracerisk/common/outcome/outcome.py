@@ -184,6 +184,17 @@ class Outcome:
         return tuple(rest for rest in self.rests if rest.arm == arm)
 
     @property
+    def under_way_s(self) -> float | None:
+        """How long the only arm moves and rests until it is in its last rest [s].
+
+        `None` where there are several, or not all rests are kept.
+        """
+        if len(self.arms) != 1 or self.left_out:
+            return None
+        times = [rest.took_s + rest.held_s for rest in self.rests]
+        return sum(times) - self.rests[-1].held_s if times else 0.0
+
+    @property
     def cell_counts(self) -> tuple[CellCount, ...]:
         """How often each interface of the cell was used, by name."""
         if self.left_out:

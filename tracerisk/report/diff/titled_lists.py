@@ -259,7 +259,12 @@ def of_pace(diff: RiskDiff) -> tuple[str, ...]:
     verdict = None if diff.verdicts is None else diff.verdicts.after
     if diff.outcome is None or (verdict is not None and verdict.is_bad):
         return ()
-    return _at_most(diff.outcome.pace)
+    pace = diff.outcome.pace
+    was, now = diff.outcome.arm_s
+    if len(pace) <= MOST_OF_KIND or was is None or now is None:
+        return _at_most(pace)
+    whole = f"the arm is under way for {now:.1f} s, before: {was:.1f} s"
+    return (whole, f"{len(pace)} ways and rests take another time; --json lists them")
 
 
 def _at_most(lines: tuple[str, ...]) -> tuple[str, ...]:
