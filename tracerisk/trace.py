@@ -119,6 +119,16 @@ class TracedCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class SuccessCondition:
+    """What `success` of the scenario declares, and whether the run brought it about."""
+
+    words: str
+    """The condition in words."""
+    is_met: bool
+    """Whether the run met it."""
+
+
+@dataclass(frozen=True, slots=True)
 class ObjectOffset:
     """Where a thing of the scene ended."""
 
@@ -207,6 +217,8 @@ class Trace:
     """What a user should know about the run, in the order of occurrence."""
     objects: tuple[ObjectOffset, ...] = ()
     """Where the movable things of the scene ended."""
+    success: tuple[SuccessCondition, ...] = ()
+    """What `success` of the scenario declares; empty where the run was not judged by it."""
     assumptions: tuple[str, ...] = ()
     """What the run assumed, a sentence each; `DRAFTED`, `MEASURED` and `LOST` mark some."""
     files: tuple[str, ...] = ()

@@ -42,6 +42,17 @@ def test_an_accepted_miss_leaves_the_run_complete(missing):
     outcome = missing.run("run", "controller.py")
     assert outcome.code == 0
     assert "complete" in outcome.err + outcome.out
+    assert "success: 0 of 1 condition met" in outcome.err
+
+
+def test_a_mission_that_is_met_is_said_and_listed_in_the_report(missing):
+    met = MISSION.replace("0.5", "0.05") + "  - {within_s: 30}\n"
+    missing.write("cell.yaml", met)
+    outcome = missing.run("run", "controller.py", "--report", "r.html")
+    assert "success: 2 of 2 conditions met" in outcome.err
+    page = missing.read("r.html").decode()
+    assert "What the mission has to bring about" in page
+    assert "over within 30 s" in page
 
 
 def test_an_assumed_line_is_partial_where_it_is_missed_and_nothing_where_it_is_met(missing):

@@ -49,9 +49,17 @@ def headline(trace: Trace) -> str:
 
 
 def object_lines(trace: Trace) -> list[str]:
-    """Return which objects moved, how many stand at their goal, and a line for each astray."""
+    """Return which objects moved, how many stand at their goal, and a line for each astray.
+
+    The last line says how much of the mission that the scenario declares was brought about.
+    """
     moved = moved_line(trace.outcome)
-    return [*([moved] if moved else []), *_goal_lines(trace)]
+    lines = [*([moved] if moved else []), *_goal_lines(trace)]
+    if trace.success:
+        met = sum(condition.is_met for condition in trace.success)
+        plural = "" if len(trace.success) == 1 else "s"
+        lines.append(f"success: {met} of {len(trace.success)} condition{plural} met")
+    return lines
 
 
 def _goal_lines(trace: Trace) -> list[str]:

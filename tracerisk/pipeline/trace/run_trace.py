@@ -108,7 +108,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None, is_replayed: bool =
     collided = collisions(robot, attribution, visits)
     in_time = _in_time((*recording.findings, *attribution.findings, *collided))
     findings = placed_findings(in_time, controller)
-    verdict, more = run_verdict(ran, findings, coverage, samples, contacts, visits)
+    verdict, more, success = run_verdict(ran, findings, coverage, samples, contacts, visits)
     return Trace(
         controller=controller.file,
         robot=robot.name,
@@ -121,6 +121,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None, is_replayed: bool =
         uncovered=coverage.never_ran,
         findings=_in_time((*findings, *more)),
         objects=_objects(recording),
+        success=success,
         assumptions=_assumptions(ran),
         cycle=_cycle(recording, attribution, settings),
         files=tuple(file for file in _files(controller, recording) if file != controller.file),

@@ -37,7 +37,7 @@ from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.trace import EndCause, Visit
+from tracerisk.trace import EndCause, SuccessCondition, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -85,8 +85,9 @@ def run_verdict(
     samples: Samples | None,
     contacts: RunContacts | None,
     visits: Sequence[Visit],
-) -> tuple[Verdict, tuple[Finding, ...]]:
-    """Return the verdict of a run, and a finding on the first grasp on nothing that is no fault.
+) -> tuple[Verdict, tuple[Finding, ...], tuple[SuccessCondition, ...]]:
+    """Return the verdict of a run, a finding on the first grasp on nothing that is no fault, and
+    what the mission had to bring about.
 
     `findings` have their functions: `placed_findings`.
     """
@@ -100,6 +101,7 @@ def run_verdict(
     calls = None if note is None else Calls.of(note)
     bodies = samples.header.free_bodies if samples is not None else ()
     named = given["objects"] if settings.scene is None else (*given["objects"], *bodies)
+    success, mission = _mission(ran, samples, contacts, visits)
     run = RecordedRun(
         end=ran.end,
         end_function=function_of(controller, ran.end.location),
@@ -109,7 +111,7 @@ def run_verdict(
         coverage=coverage,
         missed=tuple(_missed(ran, calls)),
         falls=falls(samples, contacts) if samples is not None else (),
-        mission=tuple(_mission(ran, samples, contacts, visits)),
+        mission=mission,
         assumed=tuple(_assumed(ran.robot, recording)),
         unconfirmed=tuple(_unconfirmed(given["unconfirmed"], unused, controller)),
         has_objects=bool(named),
@@ -120,7 +122,7 @@ def run_verdict(
     verdict = judge(run, accepted)
     if settings.robot is None:
         verdict = with_acceptances(not_blamed(verdict, ran.robot, controller), accepted)
-    return verdict, tuple(islice(_noted_grasps(run), 1))
+    return verdict, tuple(islice(_noted_grasps(run), 1)), success
 
 
 def _noted_grasps(run: RecordedRun) -> Iterator[Finding]:
@@ -181,17 +183,17 @@ def _unconfirmed(
 
 def _mission(
     ran: Ran, samples: Samples | None, contacts: RunContacts | None, visits: Sequence[Visit]
-) -> Iterator[MissedCondition]:
-    """Yield what `success` of the scenario declares and the run did not bring about.
+) -> tuple[tuple[SuccessCondition, ...], tuple[MissedCondition, ...]]:
+    """Return what `success` of the scenario declares, and what of it the run did not bring about.
 
     A run that a limit or a deadlock ended shows nothing of the kind.
     Raises ScenarioError where a run that came to its end has none of the objects that are named.
     """
     if ran.settings.scenario is None or not (ran.end.is_good or ran.end.cause in _BY_ITSELF):
-        return
+        return (), ()
     scenario = read_scenario(Path(ran.settings.scenario))
     if not scenario.success:
-        return
+        return (), ()
     use, objects = ran.recording.note(GRAPH_USE) or {}, ran.recording.note(OBJECTS) or {}
     facts = mission_facts(
         ran.robot,
@@ -210,11 +212,18 @@ def _mission(
     if ran.end.is_good and samples is not None and not ran.has_faults:
         check_objects(scenario.success, facts.scene, facts.frames, facts.tracks)
     root = ran.controller.root.resolve()
-    for result in missed(scenario.success, facts):
+    lacking = []
+    results = missed(scenario.success, facts)
+    for result in results:
         condition, place = result.condition, result.condition.location
         if place is not None:
             place = replace(place, file=from_root(root, Path(place.file).resolve()))
-        yield MissedCondition(condition.label, result.words, place, condition.is_assumed)
+        lacking.append(MissedCondition(condition.label, result.words, place, condition.is_assumed))
+    failed = [result.condition for result in results]
+    declared = tuple(
+        SuccessCondition(condition.words, condition not in failed) for condition in scenario.success
+    )
+    return declared, tuple(lacking)
 
 
 def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from tracerisk.common.outcome.arm import Position
 from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, Rest, Step
@@ -10,6 +10,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, row_of, texts
+from tracerisk.trace import SuccessCondition
 
 MOST_UNFOLDED = 12
 """How many steps are shown before they are folded."""
@@ -17,17 +18,28 @@ MOST_UNFOLDED = 12
 
 def brought_about_section(report: ReportInput) -> Section | None:
     """Return what the run brought about; `None` where no run is known that shows it."""
+    success = () if report.trace is None else report.trace.success
     outcome = None if report.trace is None else report.trace.outcome
-    if outcome is None or not (outcome.objects or outcome.steps):
+    if outcome is None or not (outcome.objects or outcome.steps or success):
         return None
     html = rendered(
         "brought_about.html.j2",
+        success=_success(success) if success else None,
         objects=_objects(outcome) if outcome.objects else None,
         way=_way(outcome) if outcome.steps else None,
         streams=outcome.streams,
         most=MOST_UNFOLDED,
     )
     return Section("brought-about", "What the run brought about", html)
+
+
+def _success(conditions: Sequence[SuccessCondition]) -> Table:
+    rows = [
+        row_of(condition.words, "met" if condition.is_met else "missed") for condition in conditions
+    ]
+    return Table(
+        "success", "What the mission has to bring about", texts("condition", "run"), tuple(rows)
+    )
 
 
 def _objects(outcome: Outcome) -> Table:
