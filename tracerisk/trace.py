@@ -116,6 +116,8 @@ class TracedCommand:
     """Which fraction of its way was done then, by the joint that had the farthest to go."""
     replaced_by: int | None = None
     """The place in `Trace.commands`, from 0, of the command that replaced it."""
+    callers: tuple[Location, ...] = ()
+    """The lines that led to the function's call, the innermost first; files from the root."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,7 +287,16 @@ class Trace:
             findings=tuple(finding.with_lines(line_of) for finding in self.findings),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
             commands=tuple(
-                replace(command, line=line(command.function, command.line))
+                replace(
+                    command,
+                    line=line(command.function, command.line),
+                    callers=tuple(
+                        caller
+                        if not caller.line
+                        else replace(caller, line=line_of(caller.file, caller.line))
+                        for caller in command.callers
+                    ),
+                )
                 for command in self.commands
             ),
             worlds=tuple(run.with_line(line_of) for run in self.worlds),
@@ -312,7 +323,13 @@ class Trace:
             files=tuple(map(file_of, self.files)),
             verdict=None if self.verdict is None else self.verdict.with_files(file_of),
             commands=tuple(
-                replace(command, function=command.function.with_file(file_of))
+                replace(
+                    command,
+                    function=command.function.with_file(file_of),
+                    callers=tuple(
+                        replace(caller, file=file_of(caller.file)) for caller in command.callers
+                    ),
+                )
                 for command in self.commands
             ),
             worlds=tuple(

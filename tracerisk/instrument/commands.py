@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+from tracerisk.errors import Location
 from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import CommandEnd, TracedCommand
 
@@ -73,4 +74,7 @@ def _traced(command: Command, place_of: dict[int, int]) -> TracedCommand:
         end=command.end or "cut_by_end",
         way_done=command.way_done,
         replaced_by=None if command.replaced_by is None else place_of.get(command.replaced_by),
+        callers=tuple(
+            Location(frame.function.file, frame.site[0]) for frame in command.stack[-2::-1]
+        ),
     )

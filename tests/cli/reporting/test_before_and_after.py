@@ -264,3 +264,28 @@ def test_a_recording_that_does_not_fit_is_refused(changed, capsys, words, messag
 def test_the_options_go_with_a_revision(changed, capsys):
     assert main(["report", "controller.py", "-o", "out.html", "--run-against"]) == 2
     assert "--run-against goes with --against; add it" in capsys.readouterr().err
+
+
+def test_what_a_helper_commands_leads_to_the_changed_line_that_called_it(
+    example, quick, monkeypatch
+):
+    source = quick("turn(arm, 0.1)", "turn(arm, -0.1)").replace(
+        "\ndef act(",
+        "\ndef turn(arm, angle):\n    joints = arm.get_current_joint_values()\n"
+        "    joints[0] += angle\n    arm.go(joints, wait=True)\n\n\ndef act(",
+    )
+    assert "def turn" in source
+    example.write("controller.py", source)
+    git(example.folder, "init", "--quiet")
+    assert example.run("run", "controller.py", "--robot", "panda", "--quiet").code == 0
+    git(example.folder, "add", "controller.py", "tracerisk.lock")
+    git(example.folder, "commit", "--quiet", "-m", "one")
+    text = example.read("controller.py").decode()
+    example.write("controller.py", text.replace("turn(arm, 0.1)", "turn(arm, 0.3)"))
+    assert example.run("run", "controller.py", "--robot", "panda", "--quiet").code == 0
+    monkeypatch.chdir(example.folder)
+    assert report() == 0
+    document = html.document_fromstring(example.read("out.html"))
+    first = document.xpath("//ol[@class='side-differences']/li")[0]
+    said = " ".join(first.text_content().split())
+    assert "now: turn(arm, 0.3) controller.py:" in said

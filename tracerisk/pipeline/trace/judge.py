@@ -322,6 +322,7 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
             object_name=fall.object,
             time_s=fall.time_s,
             location=cause.location if cause else None,
+            called_from=cause.called_from if cause else None,
         )
 
 

@@ -143,8 +143,8 @@ def _lines(
 ) -> list[_Place]:
     """Return the lines that a difference comes from.
 
-    They are those that were changed in the function that gave the command, the nearest to it; where
-    it was not changed, the command's own.
+    They are the changed line that led to the command, else those that were changed in the function
+    that gave it, the nearest to it; where it was not changed, the command's own.
     """
     command = difference.now or difference.before
     if command is None:
@@ -156,8 +156,16 @@ def _lines(
         for change in changed
         if (change.file, change.function) == (command.function.file, name)
     ]
-    if name and own:
-        change = min(own, key=lambda known: abs(known.line - command.line))
+    called = [
+        change
+        for caller in command.callers
+        for change in changed
+        if change.file == caller.file
+        and change.line <= (caller.line or 0) < change.line + len(change.come)
+    ]
+    if called or (name and own):
+        nearest = sorted(own, key=lambda known: abs(known.line - command.line))
+        change = (called or nearest)[0]
         return [
             *(_Place("before", change.before, text.strip(), "") for text in change.gone[:1]),
             *(_Place("now", change.now, text.strip(), change.link) for text in change.come[:1]),
@@ -188,6 +196,8 @@ def _command_place(
         return None
     link = links.get((source.name, command.line), "")
     where = f"{prefix}{source.name}:{command.line}"
+    if command.callers:
+        where += f", called from line {command.callers[0].line}"
     return _Place(side, where, lines[command.line - 1].strip(), link)
 
 
