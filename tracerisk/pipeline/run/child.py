@@ -118,8 +118,8 @@ def _run(stacks: TextIO, request: RunRequest, samples: SampleWriter, recorder: R
         began = wall_clock()
         end.run(lambda: scheduler.run_main(run))
         recorder.note(GRAPH_USE, counts=dict(sorted(graph.runtime.graph.counts.items())))
-    if words := words_of_several_arms(graph.runtime):
-        recorder.finding("one_robot", words)
+        if words := words_of_several_arms(graph.runtime):
+            recorder.finding("one_robot", words)
         world.twin.close()
         WallTime(wall_clock() - began, world.metered.seconds).write(points.folder)
         points.finish()
