@@ -437,6 +437,24 @@ def test_a_list_is_as_long_as_what_the_source_puts_into_it():
     assert listed_lengths(None) == {}
 
 
+UNKNOWN = {
+    "in a loop": "for x in joints:\n    goal.data.append(x)\n",
+    "in a branch": "if bent:\n    goal.data.append(x)\n",
+    "after a list": "goal.data = [x]\ngoal.data.append(y)\n",
+}
+
+
+@pytest.mark.parametrize("kind", UNKNOWN)
+def test_what_is_added_some_times_has_no_length(kind):
+    assert listed_lengths(ast.parse(UNKNOWN[kind])) == {}
+
+
+def test_what_each_function_adds_is_a_list_of_its_own():
+    filled = "    goal = Goal()\n    goal.data.append(x)\n    goal.data.append(y)\n"
+    source = f"def go():\n{filled}def back():\n{filled}while True:\n{filled}"
+    assert listed_lengths(ast.parse(source)) == {"data": 2}
+
+
 LENGTHS = {3: {"position": "target"}, 6: {"joints": "target"}, 4: None}
 
 

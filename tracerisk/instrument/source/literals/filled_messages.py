@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -67,21 +68,35 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
 def listed_lengths(tree: ast.AST | None) -> dict[str, int]:
     """Return how long the lists are that a source gives each field; none where they differ.
 
-    `goal.data.append(x)` adds one to a list that is given nothing at once.
+    `goal.data.append(x)` adds one to a list that is given nothing at once. Where that comes in a
+    loop or a branch, and the message is not made there, the list has no known length.
     """
     lengths: dict[str, set[int]] = {}
     for name, elements in _lists_given(tree):
         lengths.setdefault(name, set()).add(len(elements))
-    added: dict[str, dict[str, int]] = {}
+    given = frozenset(lengths)
+    for name, count in _added(tree):
+        lengths.setdefault(name, set()).add(0 if name in given else count)
+    return {name: min(known) for name, known in lengths.items() if len(known) == 1 and min(known)}
+
+
+def _added(tree: ast.AST | None) -> Iterator[tuple[str, int]]:
+    """Yield the fields that a block of lines appends to, and how often, 0 if that is unknown."""
     for node in () if tree is None else ast.walk(tree):
-        called = node.func if isinstance(node, ast.Call) else None
-        if isinstance(called, ast.Attribute) and called.attr == "append":
-            name, owner = last_name(called.value), ast.unparse(called.value)
-            counts = added.setdefault(name, {})
-            counts[owner] = counts.get(owner, 0) + 1
-    for name, counts in added.items():
-        lengths.setdefault(name, set(counts.values()))
-    return {name: known.pop() for name, known in lengths.items() if len(known) == 1}
+        is_once = isinstance(node, ast.Module | ast.FunctionDef | ast.AsyncFunctionDef)
+        for lines in (getattr(node, part, ()) for part in ("body", "orelse", "finalbody")):
+            counts: Counter[str] = Counter()
+            made: set[str] = set()
+            for line in lines if isinstance(lines, list) else ():
+                if isinstance(line, ast.Assign):
+                    made.update(map(ast.unparse, line.targets))
+                called = line.value if isinstance(line, ast.Expr) else None
+                called = called.func if isinstance(called, ast.Call) else None
+                if isinstance(called, ast.Attribute) and called.attr == "append":
+                    counts[ast.unparse(called.value)] += 1
+            for owner, count in counts.items():
+                is_whole = is_once or any(owner.startswith(f"{name}.") for name in made)
+                yield owner.rpartition(".")[2], count if is_whole else 0
 
 
 def _lists_given(tree: ast.AST | None) -> Iterator[tuple[str, Sequence[ast.expr]]]:
@@ -94,11 +109,9 @@ def _lists_given(tree: ast.AST | None) -> Iterator[tuple[str, Sequence[ast.expr]
         elif isinstance(node, ast.Call):
             given = [(keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg]
         for name, value in given:
-            has_stars = isinstance(value, ast.List | ast.Tuple) and any(
-                isinstance(element, ast.Starred) for element in value.elts
-            )
-            if isinstance(value, ast.List | ast.Tuple) and value.elts and not has_stars:
-                yield name, value.elts
+            elements = value.elts if isinstance(value, ast.List | ast.Tuple) else []
+            if elements and not any(isinstance(element, ast.Starred) for element in elements):
+                yield name, elements
 
 
 def largest_given(tree: ast.AST | None) -> dict[str, float]:
