@@ -44,6 +44,21 @@ neutral = limb.joint_ordered_angles()
     assert ran.owners == ["work", "home"]
 
 
+def test_a_move_ends_where_its_test_says_so(run_on):
+    ran = run_on(
+        "sawyer",
+        HEAD
+        + """
+import numpy as np
+def is_far():
+    return np.abs(limb.joint_angle('right_j0')) > 0.2
+limb.move_to_joint_positions({'right_j0': 1.5}, test=is_far)
+at = limb.joint_angle('right_j0')
+""",
+    )
+    assert 0.2 < ran["at"] < 0.5
+
+
 def test_kinematics_go_there_and_back(run_on):
     ran = run_on(
         "sawyer",
@@ -101,6 +116,13 @@ switched = lights.set_light_state('head_green_light', True)
 lit = lights.get_light_state('head_green_light')
 pressed = (cuff.upper_button(), cuff.lower_button(), cuff.cuff_button())
 buttons = intera_interface.Navigator().get_button_state('right_button_ok')
+seen = []
+first = lights.register_callback(print, 'head_green_light')
+second = lights.register_callback(seen.append, 'head_green_light')
+gone = lights.deregister_callback(first)
+third = lights.register_callback(seen.append, 'head_green_light')
+lights.set_light_state('head_green_light', False)
+rospy.sleep(0.5)
 limbs = intera_interface.RobotParams().get_limb_names()
 cameras = intera_interface.Cameras()
 started = (cameras.start_streaming('head_camera'), cameras.start_streaming('none'))
@@ -108,6 +130,7 @@ cameras.set_callback('head_camera', print)
 """,
     )
     assert (ran["switched"], ran["lit"]) == (True, True)
+    assert (ran["gone"], ran["seen"]) == (True, [False, False])
     assert (ran["pressed"], ran["buttons"]) == ((False, False, False), 0)
     assert ran["limbs"] == ["right"]
     assert ran["started"] == (True, False)

@@ -182,7 +182,7 @@ class Limb:
             self.set_joint_positions(command)
 
         def is_there() -> bool:
-            return (callable(test) and test() is True) or all(
+            return (callable(test) and bool(test())) or all(
                 abs(goal - self._joint_angle[joint]) < threshold
                 for joint, goal in positions.items()
                 if joint in self._joint_angle

@@ -8,9 +8,9 @@ from typing import Any
 import rospy
 from sensor_msgs.msg import Image
 
-__all__ = ["Cameras"]
+from .robot_params import CAMERAS
 
-_NAMES = ("head_camera", "right_hand_camera")
+__all__ = ["Cameras"]
 
 
 class Cameras:
@@ -22,13 +22,13 @@ class Cameras:
 
     def list_cameras(self) -> list[str]:
         """Return the names of the cameras."""
-        return list(_NAMES)
+        return list(CAMERAS)
 
     def verify_camera_exists(self, camera_name: str) -> bool:
         """Return whether there is a camera of that name."""
-        if camera_name not in _NAMES:
-            rospy.logerr(f"Cannot find camera '{camera_name}'. Available cameras: {_NAMES}")
-        return camera_name in _NAMES
+        if camera_name not in CAMERAS:
+            rospy.logerr(f"Cannot find camera '{camera_name}'. Available cameras: {CAMERAS}")
+        return camera_name in CAMERAS
 
     def is_camera_streaming(self, camera_name: str) -> bool:
         """Return whether a camera was started."""

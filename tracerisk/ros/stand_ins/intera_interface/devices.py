@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable
 from typing import Any
@@ -24,6 +25,7 @@ class Device:
         self._signals: dict[str, Any] = {}
         self._taken: tuple[Any, ...] = ()
         self._changes: dict[str, tuple[str, Any]] = {}
+        self._numbers = itertools.count()
         self._commands = rospy.Publisher(f"{self._path}/command", IOComponentCommand, queue_size=10)
         self._states = rospy.Subscriber(f"{self._path}/state", IODeviceStatus, self._on_state)
         intera_dataflow.wait_for(
@@ -75,7 +77,7 @@ class Device:
     ) -> str:
         """Call a function with the new value whenever a signal changes; return its key."""
         del poll_rate
-        key = f"{signal_name}_{len(self._changes)}"
+        key = f"{signal_name}_{next(self._numbers)}"
         self._changes[key] = signal_name, callback_function
         return key
 

@@ -256,7 +256,7 @@ class Limb:
             if self._collision_state:
                 rospy.logerr(f"{self.name.capitalize()} limb: collision detected")
                 return True
-            return (callable(test) and test() is True) or is_there()
+            return (callable(test) and bool(test())) or is_there()
 
         def is_there() -> bool:
             return all(

@@ -6,7 +6,9 @@ from typing import Any
 
 import rospy
 
-__all__ = ["RobotParams"]
+__all__ = ["CAMERAS", "RobotParams"]
+
+CAMERAS = ("head_camera", "right_hand_camera")
 
 
 class RobotParams:
@@ -17,7 +19,7 @@ class RobotParams:
 
     def get_camera_names(self) -> list[str]:
         """Return the cameras."""
-        return ["head_camera", "right_hand_camera"]
+        return list(CAMERAS)
 
     def get_camera_details(self) -> dict[str, Any]:
         """Return the details of each camera."""
