@@ -1,5 +1,6 @@
 """A controller that drives two arms is never taken for one that drives the single arm it has."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,14 @@ for name in {names}:
         (("/arm_1/goal", "/arm_2/goal"), True),
         (("/panda_1/joint_states", "/panda_2/joint_states"), True),
         (("/joint1_controller/command", "/joint2_controller/command"), False),
+        (("/arm_1_joint/command", "/arm_2_joint/command"), False),
+        (
+            ("/arm1_joint_position_controller/command", "/arm2_joint_position_controller/command"),
+            False,
+        ),
+        (("/arm_1_joint_states", "/arm_2_joint_states"), True),
+        (("/left/controlled_pose", "/right/controlled_pose"), True),
+        (("/left_led/set", "/right_led/set"), False),
         (("/left_gripper/command", "/right_gripper/command"), False),
         (("/left_camera/image_raw", "/right_camera/image_raw"), False),
         (("/bright/goal", "/left/goal"), False),
@@ -55,6 +64,31 @@ def test_names_that_differ_in_the_arm_alone_are_those_of_two_arms(names, expecte
 )
 def test_the_side_in_a_name_means_the_arm_of_that_side(robot, name, group):
     assert group_of_side(load_robot(robot), name) == group
+
+
+@pytest.mark.parametrize(
+    ("joint", "group"),
+    [("arm_{side}_{number}_joint", "{side}"), ("rob{letter}_{number}", "{side}_arm")],
+)
+def test_the_arm_of_a_side_is_known_by_its_joints_or_its_own_name(joint, group):
+    robot = load_robot("baxter")
+    called = {
+        known.name: joint.format(side=side, letter=side[0], number=known.name[-2:])
+        for known in robot.joints
+        for side in ("left", "right")
+        if known.name.startswith(f"{side}_")
+    }
+    joints = [replace(one, name=called.get(one.name, one.name)) for one in robot.joints]
+    groups = {
+        name if name == "both_arms" else group.format(side=name.partition("_")[0]): replace(
+            known, joints=tuple(called.get(one, one) for one in known.joints)
+        )
+        for name, known in robot.groups.items()
+        if name.endswith(("_arm", "_arms"))
+    }
+    renamed = replace(robot, joints=tuple(joints), groups=groups)
+    for side in ("left", "right"):
+        assert group_of_side(renamed, f"/{side}/goal") == group.format(side=side)
 
 
 @pytest.mark.parametrize("sides", [("left", "right"), ("left", "left")])

@@ -17,10 +17,13 @@ _SIDE = re.compile(r"(?<![a-z])(?:left|right)(?=arm|robot|[^a-z]|$)")
 _NUMBERED = re.compile(
     r"(?:(?<=arm)|(?<=robot)|(?<=panda)|(?<=franka)|(?<=iiwa)|(?<=xarm)|(?<=manipulator)|"
     r"(?<=ur\d)|(?<=ur\de)|(?<=ur10)|(?<=ur10e))_?[12](?![0-9a-z])"
+    # A number that counts the joints of one arm: `/arm_1_joint/command`.
+    r"(?!_(?:joint|link|motor|servo)(?:_(?:position|velocity|effort|controller)\w*)?(?:/|$))"
 )
 # What has sides and is no arm.
 _NO_ARM = re.compile(
-    "gripper|hand|finger|camera|image|depth|marker|wheel|light|led|button|wrench|sensor|foot"
+    r"gripper|hand|finger|camera|image|depth|marker|wheel|light|(?<![a-z])leds?(?![a-z])|button"
+    r"|wrench|sensor|foot"
 )
 _STATES = re.compile(r"(?:\w*State|JointStates?)$")
 
@@ -71,27 +74,35 @@ def arms_spoken_of(names: Iterable[str]) -> tuple[str, str] | None:
 
 def has_several_arms(robot: Robot) -> bool:
     """Return whether a robot has arms that move without each other."""
-    fingers = {name for gripper in robot.grippers for name in gripper.joints}
-    arms = [frozenset(group.joints) - fingers for group in robot.groups.values()]
+    own = {joint.name for joint in robot.arm_joints}
+    arms = [own.intersection(group.joints) for group in robot.groups.values()]
     arms = [joints for joints in arms if len(joints) >= _FEWEST_JOINTS]
     return any(first.isdisjoint(second) for first, second in combinations(arms, 2))
 
 
 def group_of_side(robot: Robot, name: str) -> str | None:
-    """Return the arm of a robot with two that the name of an interface means, `None` for none."""
-    sides = set(_SIDE.findall(name.lower()))
+    """Return the arm of a robot with two that the name of an interface means, `None` for none.
+
+    It is the largest group of joints of that side, else the largest with the side in its name.
+    """
+    sides = _sides_in(name)
     if len(sides) != 1 or not has_several_arms(robot):
         return None
-    side = sides.pop()
-    fingers = {name for gripper in robot.grippers for name in gripper.joints}
-    groups = (
-        group
+    own = {joint.name for joint in robot.arm_joints}
+    groups = {
+        group: known.joints
         for group, known in robot.groups.items()
-        if known.joints
-        and all(joint.lower().startswith(side) for joint in known.joints)
-        and fingers.isdisjoint(known.joints)
-    )
-    return max(groups, key=lambda group: len(robot.groups[group].joints), default=None)
+        if known.joints and own.issuperset(known.joints)
+    }
+    by_joints = [
+        group for group, joints in groups.items() if all(_sides_in(one) == sides for one in joints)
+    ]
+    meant = by_joints or [group for group in groups if _sides_in(group) == sides]
+    return max(meant, key=lambda group: len(groups[group]), default=None)
+
+
+def _sides_in(name: str) -> set[str]:
+    return set(_SIDE.findall(name.lower()))
 
 
 def words_of_several_arms(runtime: Runtime) -> str:
