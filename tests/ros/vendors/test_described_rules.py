@@ -226,22 +226,23 @@ rospy.sleep(2.0)
     assert ran.owners == ["jog"]
 
 
-def test_one_of_two_arms_is_meant_by_its_group(run_on):
+@pytest.mark.parametrize("group", ["group: {side}_arm, ", ""])
+def test_one_of_two_arms_is_meant_by_its_group_or_by_the_side_in_a_name(run_on, group):
     services = "".join(
-        f"  {side}/go: {{type: arm_msgs/Go, group: {side}_arm, {GO}}}\n"
-        for side in ("left", "right")
+        f"  {side}/go: {{type: arm_msgs/Go, {group.format(side=side)}{GO}}}\n"
+        for side in ("right", "left")
     )
     ran = run_on(
         "baxter",
         HEAD
         + """
-done = go([0.3] + [0.0] * 6, name='/cell/left/go')
+done = go([0.3] + [0.0] * 6, name='/cell/right/go')
 """,
         driver=f"driver: arm\n{CODES}\nservices:\n{services}" + MESSAGES,
     )
     assert ran["done"].code == 0, ran["done"]
-    assert ran.position("left_s0") == pytest.approx(0.3, abs=0.02)
-    assert ran.position("right_s0") != pytest.approx(0.3, abs=0.02)
+    assert ran.position("right_s0") == pytest.approx(0.3, abs=0.02)
+    assert ran.position("left_s0") != pytest.approx(0.3, abs=0.02)
 
 
 MODES = """

@@ -129,7 +129,8 @@ class DescribedDriver(TwinNode):
                 self._graph.services.offer(base, type_name, answer, node=self.node)
 
     def _answer(self, interface: Interface, type_name: str, message: Any) -> Any:
-        arm, stack = self._arm(interface), self._commands.stack()
+        arm = self._arm(interface, interface.name)
+        stack = self._commands.stack()
         self._scheduler.touch()
         case: Case | None = None
         jobs: list[Job] = []
@@ -138,7 +139,7 @@ class DescribedDriver(TwinNode):
         try:
             case = case_of(interface, request)
             self._set(interface, case, request)
-            result, jobs = self._do(interface, case, request, stack)
+            result, jobs = self._do(interface, case, request, stack, name=interface.name)
             if request.flag(case.wait, default=bool(jobs) or case.wait is not None):
                 timeout_s = request.seconds(case.timeout)
                 result = self._wait(jobs, timeout_s)
@@ -215,8 +216,8 @@ class DescribedDriver(TwinNode):
         stack: tuple[Frame, ...],
         on_end: Callable[[Job], None] = lambda job: None,  # noqa: ARG005
         *,
+        name: str,
         is_goal: bool = False,
-        name: str = "",
     ) -> tuple[Result, list[Job]]:
         """Do what a case says; a motion is returned as a job, over or not.
 
