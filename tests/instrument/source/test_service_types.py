@@ -31,6 +31,7 @@ WAIT = "rospy.wait_for_service('detect')\n"
             0,
         ),
         ("from std_srvs.srv import *\nServiceProxy('detect', kind.Trigger)\n", "/detect", 0),
+        ("from std_srvs.srv import *\nServiceProxy('detect', kind)\n", "/detect", 0),
         ("from std_srvs.srv import Trigger\nServiceProxy('other', Trigger)\n", "/detect", 0),
         ("from std_srvs.srv import Trigger\nServiceProxy('detect', kind)\n", "/detect", 0),
         ("x = ServiceProxy('detect')\n", "/detect", 0),

@@ -253,5 +253,7 @@ def test_the_types_of_a_star_are_those_of_its_package(tmp_path):
         ("service", "/pick", "cell/Pick"),
         ("call", "/place", "cell/Place"),
     ]
+    held = STARRED.replace('"/part", Part', '"/part", kind')
+    assert asked(tmp_path, held)[0][:3] == ("topic", "/part", "kind")
     two = STARRED.replace("from std_msgs.msg import String", "from std_msgs.msg import *")
     assert asked(tmp_path, two)[0][:3] == ("topic", "/part", "Part")

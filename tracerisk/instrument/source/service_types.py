@@ -50,7 +50,7 @@ def service_type(name: str, waited_at: Location | None) -> str:
         for call in _calls(tree, "wait_for_service")
         if call.args and call.lineno <= (waited_at.line or 0) <= (call.end_lineno or call.lineno)
     }
-    imported, starred = dict(_imported(tree)), starred_package(tree, _SERVICES)
+    imported = dict(_imported(tree))
     for call in _calls(tree, "ServiceProxy"):
         given = {keyword.arg: keyword.value for keyword in call.keywords}
         named = call.args[0] if call.args else given.get("name")
@@ -60,25 +60,27 @@ def service_type(name: str, waited_at: Location | None) -> str:
         is_text = isinstance(named, ast.Constant) and isinstance(named.value, str)
         if ast.dump(named) in waited or (is_text and _is_called(name, ast.literal_eval(named))):
             text = _type(kind, imported)
+            if isinstance(kind, ast.Name) and kind.id not in imported:
+                text = starred_type(tree, _SERVICES, kind.id)
             if text:
                 return text
-            if starred and isinstance(kind, ast.Name) and kind.id not in imported:
-                return f"{starred}/{kind.id}"
     return ""
 
 
-def starred_package(tree: ast.AST, folder: str) -> str:
-    """Return the package of `from package.srv import *`; empty for none, and for several.
+def starred_type(tree: ast.AST, folder: str, name: str) -> str:
+    """Return the type that `from package.srv import *` brings; empty for none, and for several.
 
-    `folder` is `msg`, `srv` or `action`.
+    `folder` is `msg`, `srv` or `action`. Types begin with a capital letter, variables do not.
     """
+    if not name.isidentifier() or not name[0].isupper():
+        return ""
     packages = {
         node.module.partition(".")[0]
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom) and node.module and not node.level
         if node.module.endswith(f".{folder}") and node.names[0].name == "*"
     }
-    return packages.pop() if len(packages) == 1 else ""
+    return f"{packages.pop()}/{name}" if len(packages) == 1 else ""
 
 
 def _calls(tree: ast.AST, function: str) -> Iterator[ast.Call]:

@@ -11,7 +11,7 @@ from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.service_types import starred_package
+from tracerisk.instrument.source.service_types import starred_type
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.project import Project
@@ -97,8 +97,7 @@ def _starred(tree: ast.Module, kind: str, name: str, ros: Literal[1, 2]) -> str:
     """Return the type of a name that `from package.srv import *` brings, else the name alone."""
     of_actions = "msg" if ros == 1 else "action"
     folder = {"topic": "msg", "service": "srv", "call": "srv"}.get(kind, of_actions)
-    package = starred_package(tree, folder) if name.isidentifier() else ""
-    return f"{package}/{name}" if package else name
+    return starred_type(tree, folder, name) or name
 
 
 def _declared_type(call: ast.Call) -> str:
