@@ -181,6 +181,10 @@ def test_a_pose_in_a_drivers_message_is_in_the_drivers_units(tmp_path, package, 
 TIMES = {
     "a wait": ("float32 timeout_sec", {"timeout_sec": 60.0}),
     "a wait in milliseconds": ("float32 timeout_ms", {"timeout_ms": 60000.0}),
+    "a wait in whole numbers": (
+        "int32 timeout_ms\nuint8 timeout\nint8 move_time_ms",
+        {"timeout_ms": 60000, "timeout": 60, "move_time_ms": 1},
+    ),
     "a motion": ("float64 duration\nfloat64 move_time", {"duration": 3.0, "move_time": 3.0}),
     "a length": ("float64 distance", {"distance": 0.1}),
 }

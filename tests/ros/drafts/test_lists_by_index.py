@@ -74,7 +74,18 @@ SHAPED = {
         3,
         1,
     ),
+    "rows beside an indexed list": (
+        "places = np.array(request.numbers).reshape((-1, 3))\nlast = request.scores[2]\n",
+        3,
+        3,
+    ),
+    "rows of which one is indexed": (
+        "places = np.array(request.numbers).reshape((-1, 3))\nlast = request.numbers[4]\n",
+        6,
+        1,
+    ),
     "a table": ("places = np.reshape(request.numbers, (2, 4))\n", 8, 0),
+    "a field called rows": ("if request.rows == 4:\n    pass\n", 0, 0),
     "a flat list": ("places = np.array(request.numbers).reshape(-1)\n", 0, 0),
 }
 
@@ -85,7 +96,7 @@ def test_a_list_has_the_shape_that_the_code_gives_it(tmp_path, values, kind):  #
     source = HEAD + "    def on_place(self, request, response):\n" + indented(body)
     missed, interfaces = drafted(tmp_path, source, Need("call", "/place", "cell/Place"))
     path = tmp_path / "cell" / "srv" / "Place.srv"
-    path.write_text("float32[] numbers\nfloat32[] scores\n---\nbool ok\n")
+    path.write_text("float32[] numbers\nfloat32[] scores\nint32 rows\n---\nbool ok\n")
     (draft,) = drafts([missed], interfaces, values)
     request = draft.value["request"]
     assert [len(request["numbers"]), len(request["scores"])] == lengths

@@ -126,6 +126,16 @@ def lasting_number(name: str) -> float:
     return seconds * _PER_SECOND.get(plain.rpartition("_")[2], 1.0)
 
 
+def lasting_numbers(name: str, numbers: Sequence[float]) -> Sequence[float]:
+    """Return the numbers with which the code compares `name`; of a time one that is long enough.
+
+    `timeout > 0` asks for no more than that there is one.
+    """
+    lasting = lasting_number(name)
+    is_long = bool(numbers) and numbers[0] > 1.0
+    return (lasting,) if lasting and not is_long else numbers
+
+
 def numbers_in_place(count: int, units: Units, reach: Reach) -> Sequence[float] | None:
     """Return so many numbers: of all joints, of a position, or of it with a turn; None else."""
     if count == len(reach.posture):

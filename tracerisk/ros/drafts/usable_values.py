@@ -18,7 +18,7 @@ from tracerisk.instrument.source.literals.compared_values import Compared
 from tracerisk.ros.drafts.named_numbers import (
     SI,
     Units,
-    lasting_number,
+    lasting_numbers,
     named_number,
     numbers_in_place,
     units_of,
@@ -353,10 +353,8 @@ class UsableValues(ReachedPoses):
         return next(iter(states), "open" if is_hand else "home")
 
     def _float(self, field: MessageField, place: _Place, owner: str) -> float:
-        lasting = lasting_number(field.name)
-        # `timeout > 0` asks for no more than that there is one.
-        if place.numbers and (not lasting or place.numbers[0] > 1.0):
-            return float(place.numbers[0])
+        if numbers := lasting_numbers(field.name, place.numbers):
+            return float(numbers[0])
         if owner.startswith("geometry_msgs/"):
             return 0.1
         if _LIKELY.search(field.name):
@@ -383,7 +381,7 @@ def _fitting(field: MessageField, numbers: Sequence[float]) -> list[int]:
 
 
 def _integer(owner: Any, field: MessageField, numbers: Sequence[float]) -> int:
-    fitting = _fitting(field, numbers)
+    fitting = _fitting(field, lasting_numbers(field.name, numbers))
     if fitting:
         return fitting[0]
     constants = constants_of(owner)

@@ -20,7 +20,7 @@ LENGTH = "len()"
 """The last part of the path of a list's length."""
 LEAST = "least len()"
 """The last part of the path of the length that a list must have at least."""
-ROWS = "rows"
+ROWS = "rows of"
 """The last part of the path of a list that is taken as rows, with the length of a row."""
 _SIDES: dict[type[ast.cmpop], int] = {ast.Lt: -1, ast.LtE: -1, ast.Gt: +1, ast.GtE: +1}
 _SAYS = re.compile(

@@ -72,12 +72,12 @@ class Compared:
         return tuple(number for number in self._of(path) if is_number(number))
 
     def length(self, path: tuple[str, ...]) -> int | None:
-        """Return the length that the code asks of a list; None where it asks none."""
+        """Return the length that the code asks of a list, in whole rows; None for none."""
         if asked := self.values.get((*path, LENGTH)):
             return int(asked[0])
-        # One row of each list, where any is taken as rows.
-        has_rows = any(inner[-1:] == (ROWS,) for inner in self.values)
-        return next(iter(self.values.get((*path, ROWS), ())), 1 if has_rows else None)
+        rows = {inner[:-1]: row[0] for inner, row in self.values.items() if ROWS in inner}
+        row = int(rows.get(path, 1))
+        return row * max(1, -(-self.least(path) // row)) if rows else None
 
     def least(self, path: tuple[str, ...]) -> int:
         """Return how long the code asks a list to be at least."""
