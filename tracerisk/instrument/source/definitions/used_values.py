@@ -93,8 +93,7 @@ class UsedValues:
             self._kind(node.operand, scope, "bool")
         elif isinstance(node, ast.Attribute | ast.Subscript):
             self._shape(node, scope)
-            key = self._keys.get(dotted_name(node.value)) if isinstance(node, ast.Subscript) else ""
-            if isinstance(node, ast.Subscript) and key:
+            if isinstance(node, ast.Subscript) and (key := self._keys.get(dotted_name(node.value))):
                 self._kind(node.slice, scope, key)
 
     def _kind(self, node: ast.expr, scope: int, kind: str) -> None:
@@ -127,11 +126,11 @@ class UsedValues:
 
     def _hold_of_class(self, owner: ast.ClassDef, scope: int) -> None:
         """Hold what the body of a class is given, which its methods have as their own."""
-        for line in owner.body:
-            made = self._shape(line.value, scope) if isinstance(line, ast.Assign) else None
-            for target in line.targets if isinstance(line, ast.Assign) and made else ():
-                if isinstance(target, ast.Name) and made is not None:
-                    self._held.setdefault(self._key(f"self.{target.id}", scope), made)
+        for line in (line for line in owner.body if isinstance(line, ast.Assign)):
+            shape = self._shape(line.value, scope)
+            for target in line.targets:
+                if shape is not None and isinstance(target, ast.Name):
+                    self._held.setdefault(self._key(f"self.{target.id}", scope), shape)
 
     def _hold_client(self, name: str, call: ast.Call) -> None:
         kind = _class_of_client(call)
