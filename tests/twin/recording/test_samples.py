@@ -41,6 +41,14 @@ def test_what_is_written_is_read(tmp_path: Path, n: int):
     assert samples.end_pose.tolist() == [4.0, 5.0, 6.0]
 
 
+def test_a_stretch_without_a_step_writes_nothing(tmp_path: Path):
+    writer = write(tmp_path, 10, close=False)
+    writer.rows(5)
+    writer.commit(0)
+    writer.close()
+    assert read_samples(tmp_path).n_steps == 10
+
+
 def test_rows_not_committed_are_not_read(tmp_path: Path):
     writer = write(tmp_path, 10, close=False)
     writer.rows(5)[:, 1:] = 1.0

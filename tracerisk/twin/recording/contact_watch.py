@@ -124,9 +124,13 @@ class ContactWatch:
             seen["force"] = force[addresses]
         self._n_seen = end
 
-    def log(self) -> None:
-        """Log the contacts that were seen since the last call, which are in order."""
+    def log(self, until: int) -> None:
+        """Log the contacts seen since the last call, up to the step `until`; drop those from it on.
+
+        A step that was broken off is made again.
+        """
         seen = self._seen[: self._n_seen]
+        seen = seen[seen["step"] < until]
         self._n_seen = 0
         if not len(seen):
             return
@@ -157,7 +161,7 @@ class ContactWatch:
             self._overlapping = self._overlaps(positions)
             self._looked_at = positions.copy()
         if self._overlapping:
-            self.log()
+            self.log(step)
             rows = np.zeros(len(self._overlapping), dtype=ROW)
             rows["step"], rows["force"] = step, OVERLAP
             for row, pair in zip(rows, self._overlapping, strict=True):

@@ -131,7 +131,7 @@ class SampleWriter:
         self._poses = -1
         self._rows: Array = np.empty((0, 0))
         self._committed = 0
-        self._unwritten = bytearray()
+        self._unwritten = b""
         self._contacts: ContactLogWriter | None = None
         self._declared: DeclaredLogWriter | None = None
 
@@ -160,7 +160,7 @@ class SampleWriter:
         rows = self._rows[:count]
         rows[:, 0] = np.arange(self._committed + 1, self._committed + count + 1)
         self._write_poses()
-        _write_all(self._file, rows.data)
+        _write_all(self._file, rows.tobytes())
         self._committed += count
 
     def pose(self, qpos: Array) -> None:
@@ -214,15 +214,15 @@ class SampleWriter:
 
     def _write_poses(self) -> None:
         # Together: one write takes longer than to make the pose.
-        _write_all(self._poses, memoryview(bytes(self._unwritten)))
-        self._unwritten.clear()
+        _write_all(self._poses, self._unwritten)
+        self._unwritten = b""
 
 
-def _write_all(descriptor: int, data: memoryview) -> None:
+def _write_all(descriptor: int, data: bytes) -> None:
     """Write all of some data; raise OSError when the disk refuses."""
-    data = data.cast("B")
-    while data:
-        data = data[os.write(descriptor, data) :]
+    left = memoryview(data)
+    while left:
+        left = left[os.write(descriptor, left) :]
 
 
 def read_samples(directory: Path) -> Samples:

@@ -149,14 +149,17 @@ class Simulation:
         sampled = rows[:, 1 + block.shape[1] :]
         rows[:, 1 : 1 + block.shape[1]] = block
         begin, diverged = 0, divergence(self._data)
-        while begin < len(rows) and not any(diverged.tolist()):
-            end = min(len(rows), begin + POSE_EVERY - self._steps % POSE_EVERY)
-            self._span(block[begin:end], sampled[begin:end])
-            begin = end
-        if writer is not None:
-            writer.commit(begin)
-        if self._watch is not None:
-            self._watch.log()
+        try:
+            while begin < len(rows) and not any(diverged.tolist()):
+                end = min(len(rows), begin + POSE_EVERY - self._steps % POSE_EVERY)
+                self._span(block[begin:end], sampled[begin:end])
+                begin = end
+        finally:
+            # A signal may come in between: what was simulated has its samples.
+            if writer is not None:
+                writer.commit(begin)
+            if self._watch is not None:
+                self._watch.log(self._steps)
         if any(diverged.tolist()):
             raise RobotError(
                 f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
