@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,6 @@ _COLORS = {
 _RESTS = 1e-5  # what has moved by less since it was last written rests [m; parts of a quaternion]
 _BLOCK = 4096  # times whose poses are computed at once
 _STILL = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
-_PLACE_BYTES = 24
 _XYZW = [1, 2, 3, 0]
 _SECOND_NS = 1_000_000_000
 _FOR_EVER = 2**63 - 1
@@ -145,8 +144,10 @@ def _written(
         own = times[(times > begin) & (times < end)]
         first = np.array([begin], np.int64)
         last = _poses(there, first / every_ns)
-        yield from _Template(there, sorted(gone)).messages(topic, first, last)
-        template = _Template(there, [])
+        template = _Template(there, sorted(gone))
+        yield from template.messages(topic, first, last)
+        if gone:
+            template = _Template(there, [])
         for at in range(0, len(own) if there else 0, _BLOCK):
             block = own[at : at + _BLOCK]
             poses = _poses(there, block / every_ns)
@@ -165,11 +166,18 @@ def _poses(things: Sequence[_Thing], places: Array) -> Array:
 
 def _moved(last: Array, poses: Array) -> list[int]:
     """Return at which of the poses (n, n_things, 7) something is elsewhere than at the last one."""
-    kept = []
-    for index, now in enumerate(poses):
-        if np.abs(now - last).max() > _RESTS:
+    if not poses.size:
+        return []
+    flat = poses.reshape(len(poses), -1)
+    # Most that move have moved since the pose before, which is then the last one that is written.
+    goes_on = [False, *(np.abs(np.diff(flat, axis=0)).max(axis=1) > _RESTS).tolist()]
+    kept: list[int] = []
+    written = last.reshape(-1)
+    for index, moves in enumerate(goes_on):
+        is_next = bool(kept) and kept[-1] == index - 1
+        if moves if is_next else np.abs(flat[index] - written).max() > _RESTS:
             kept.append(index)
-            last = now
+            written = flat[index]
     return kept
 
 
@@ -207,10 +215,18 @@ class _Template:
         """Yield the message of each time [ns]; poses: (n, n_things, 7)."""
         rows = np.tile(np.frombuffer(self._data, np.uint8), (len(times), 1))
         put_stamps(rows, self._stamps, times)
-        for at, number, own in self._poses:
-            place, turn = poses[:, number, :3], poses[:, number, 3:]
-            put(rows, at, place + _rotated(turn, own[:3]))
-            put(rows, at + _PLACE_BYTES, _product(turn, own[3:])[:, _XYZW])
+        if self._poses:
+            begins, numbers, own = (np.array(column) for column in zip(*self._poses, strict=True))
+            turns = poses[:, numbers, 3:]
+            there = np.concatenate(
+                (
+                    poses[:, numbers, :3] + _rotated(turns, own[:, :3]),
+                    _product(turns, own[:, 3:])[..., _XYZW],
+                ),
+                axis=-1,
+            )
+            for place, at in enumerate(begins.tolist()):
+                put(rows, at, there[:, place])
         for time_ns, row in zip(times.tolist(), rows, strict=True):
             yield Stamped(time_ns, topic, row.tobytes())
 
@@ -279,10 +295,15 @@ def _primitives(shape: Shape) -> Iterator[_Solid]:
 
 
 def _product(one: Array, other: Array) -> Array:
-    """Return the quaternions that turn by `other` and then by `one`; (n, 4) or (4,) each."""
-    return np.stack(product(tuple(one.T), tuple(other.T)), axis=-1)
+    """Return the quaternions that turn by `other` and then by `one`; (..., 4) each."""
+    return np.stack(product(_parts(one), _parts(other)), axis=-1)
 
 
-def _rotated(turns: Array, vector: Array) -> Array:
-    """Return a vector (3,) turned by each of the quaternions (n, 4), (n, 3)."""
-    return np.stack(rotated(tuple(turns.T), tuple(vector)), axis=-1)
+def _rotated(turns: Array, vectors: Array) -> Array:
+    """Return vectors (..., 3) turned by quaternions (..., 4)."""
+    return np.stack(rotated(_parts(turns), _parts(vectors)), axis=-1)
+
+
+def _parts(values: Array) -> tuple[Any, ...]:
+    """Return the coordinates, each of all values."""
+    return tuple(np.moveaxis(values, -1, 0))

@@ -207,12 +207,12 @@ class PackedWriter:
         number, starts = len(rows), series.starts
         packed_bytes = rows.reshape(-1)
         own_at = np.append(np.arange(number)[:, None] * starts[-1] + starts[:-1], packed_bytes.size)
-        shifts = np.zeros(len(own_at), np.int64)
+        sizes = [_HEAD.size + len(message.data) for message in others]
+        inserted_at = np.bincount(at, sizes, len(own_at)).astype(np.int64)
         pieces: list[bytes | memoryview] = []
         index: dict[int, list[tuple[int, int]]] = {}
         inserted, done = 0, 0
-        for message, place in zip(others, at.tolist(), strict=True):
-            cut = int(own_at[place])
+        for message, size, cut in zip(others, sizes, own_at[at].tolist(), strict=True):
             if cut > done:
                 pieces.append(packed_bytes[done:cut].data)
                 done = cut
@@ -222,8 +222,7 @@ class PackedWriter:
             )
             index.setdefault(message.channel, []).append((message.time_ns, cut + inserted))
             pieces += (head, message.data)
-            inserted += len(head) + len(message.data)
-            shifts[place:] += len(head) + len(message.data)
+            inserted += size
         pieces.append(packed_bytes[done:].data)
         data = pieces[0] if len(pieces) == 1 else b"".join(pieces)
         if not data:
@@ -232,7 +231,7 @@ class PackedWriter:
         if number:
             empty = np.empty((number, len(series.parts)), _INDEX_ROW)
             empty["time"] = series.message_times[begin : begin + number]
-            empty["offset"] = (own_at + shifts)[:-1].reshape(empty.shape)
+            empty["offset"] = (own_at + np.cumsum(inserted_at))[:-1].reshape(empty.shape)
             channels = np.array([part.channel for part in series.parts])
             for channel in np.unique(channels):
                 own = empty[:, channels == channel].reshape(-1)
