@@ -641,9 +641,10 @@ struct qos {
 
 enum { BEST_EFFORT = 2, TRANSIENT_LOCAL = 1 };
 
-/* Return how a type is called; NULL where its package was built without descriptions. */
+/* Return how a type is called: not at all where its package was built without descriptions. */
 static const struct members *members_of(const struct type_support *type)
 {
+  static const struct members unknown = {"", ""};
   size_t length = type && type->language ? strlen(type->language) : 0;
   bool is_cpp = length >= 4 && !strcmp(type->language + length - 4, "_cpp");
   const struct type_support *described = NULL;
@@ -651,7 +652,7 @@ static const struct members *members_of(const struct type_support *type)
     described = type->in(type, is_cpp ? "rosidl_typesupport_introspection_cpp"
                                       : "rosidl_typesupport_introspection_c");
   if (!described && BEHIND(rcutils_reset_error)) BEHIND(rcutils_reset_error)();
-  return described ? described->members : NULL;
+  return described ? described->members : &unknown;
 }
 
 struct end {
@@ -699,11 +700,10 @@ static void record_end_of_name(const struct end *of)
                                const char *name, const void *options)                            \
   {                                                                                              \
     int failed = BEHIND(rcl_##kind##_init)(self, node, type, name, options);                     \
-    const struct members *members = is_on && !failed ? members_of(type) : NULL;                  \
-    if (members)                                                                                 \
+    if (is_on && !failed)                                                                        \
       record_end_of_name(&(struct end){called, NAME(name_of, self),                              \
-                                       NAME(rcl_node_get_fully_qualified_name, node), members,   \
-                                       qos_of});                                                 \
+                                       NAME(rcl_node_get_fully_qualified_name, node),            \
+                                       members_of(type), qos_of});                               \
     return failed;                                                                               \
   }                                                                                              \
   EXPORT int rcl_##kind##_fini(void *self, void *node)                                           \

@@ -150,7 +150,8 @@ def test_what_a_node_of_rcl_makes_and_gives_up_is_noted(nodes, node):
         {**typed, "made": "subscription", "name": "/states", "reliable": 1, "kept": 0},
         {**typed, "made": "client", "name": "/grip"},
         {**typed, "made": "service", "name": "/stop"},
-        # Not what rcl refused, nor what has no description.
+        # Not what rcl refused.
+        {**of, "type": ["", ""], "made": "publisher", "name": "/unknown", "reliable": 0, "kept": 1},
         {**of, "gone": "publisher", "name": "/speed"},
     ]
     assert nodes.log().calls == ()

@@ -39,6 +39,23 @@ def test_ends_of_one_topic_and_node_come_with_the_first_and_go_with_the_last():
     assert again["is"] == "publisher"
 
 
+def test_what_has_no_known_type_is_told_once_and_makes_no_frame():
+    of = {"reliable": 1, "kept": 0}
+    entries = [
+        end("publisher", "/speed", **of),
+        end("publisher", "/speed", **of),
+        gone("publisher", "/speed"),
+        end("client", "/hand/_action/send_goal"),
+        end("client", "/hand/_action/get_result"),
+    ]
+    ends = CompiledEnds()
+    assert list(ends.frames(entries)) == []
+    assert ends.untyped == {"/speed": "/cell", "/hand": "/cell"}
+    (frame,) = ends.frames([end("publisher", "/speed", "std_msgs::msg", "Float64", **of)])
+    assert frame["is"] == "publisher"
+    assert [frame["is"] for frame in ends.frames([gone("publisher", "/speed")])] == ["no_publisher"]
+
+
 def test_an_action_is_known_by_the_service_for_its_goals():
     space, of = "control_msgs::action", "GripperCommand"
     ends = [

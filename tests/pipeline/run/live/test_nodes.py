@@ -118,6 +118,25 @@ def test_a_node_of_ros2_that_has_made_something_has_come(made, tmp_path, monkeyp
     assert nodes.new_ends() == []
 
 
+def test_what_has_no_known_type_is_told(made, tmp_path, monkeypatch):
+    monkeypatch.setattr("tracerisk.pipeline.run.live.nodes.build_probe", lambda folder: folder)
+    source = str(tmp_path / "pick.cpp")
+    request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
+    nodes = CompiledNodes(request, made[0]._recorder, tmp_path, {}, 2)
+    line = {"pid": 7, "made": "publisher", "name": "/arm/command", "node": "/cell"}
+    line |= {"type": ["", ""], "reliable": 1, "kept": 0}
+    (tmp_path / "calls.jsonl").write_text(json.dumps(line) + "\n")
+    assert nodes.new_ends() == []
+    nodes.report_attribution()
+    (finding,) = made[1]("finding")
+    assert (finding["kind"], finding["object"]) == ("not_simulated", "/arm/command")
+    assert finding["message"] == (
+        "what /cell exchanges on /arm/command does not reach the twin, for its type is not known: "
+        "build the package of the type with rosidl_default_generators, and source the setup of its "
+        "workspace"
+    )
+
+
 @pytest.mark.parametrize(
     ("given", "expected"),
     [

@@ -24,12 +24,16 @@ class CompiledEnds:
 
     def __init__(self) -> None:
         self._counts: Counter[tuple[str, str, str]] = Counter()
+        self.untyped: dict[str, str] = {}
+        """The topics, services and actions of which no type is known, and the node of each."""
 
     def frames(self, entries: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         """Yield a frame for each end that a node made first or gave up last."""
         for entry in entries:
             what = entry.get("made") or entry["gone"]
-            if what in _TOPICS:
+            if entry.get("type") == ["", ""]:
+                self.untyped.setdefault(entry["name"].partition(_OF_ACTIONS)[0], entry["node"])
+            elif what in _TOPICS:
                 yield from self._of_topic(_TOPICS[what], entry)
             elif "made" in entry:
                 yield from _of_service(what, entry)
@@ -41,6 +45,8 @@ class CompiledEnds:
         key = (what, name, node)
         frame: dict[str, Any] = {"name": name, "caller": node}
         if "gone" in entry:
+            if self._counts[key] == 0:
+                return  # no type was known of it
             self._counts[key] -= 1
             if self._counts[key] == 0:
                 yield {"is": f"no_{what}", **frame}

@@ -181,7 +181,18 @@ class CompiledNodes:
         self._recorder.run_ended(cause, message)
 
     def report_attribution(self) -> None:
-        """Record what of the functions is not known, and why, and which never sent anything."""
+        """Record what of the functions is not known, and why, and which never sent anything.
+
+        So are topics, services and actions that did not reach the twin.
+        """
+        for name, node in sorted(self._ends.untyped.items()):
+            self._recorder.finding(
+                "not_simulated",
+                f"what {node} exchanges on {name} does not reach the twin, for its type is not "
+                "known: build the package of the type with rosidl_default_generators, and source "
+                "the setup of its workspace",
+                object_name=name,
+            )
         calls, main = self._calls, "main()"
         calls.read_sources()
         for note in calls.notes:
