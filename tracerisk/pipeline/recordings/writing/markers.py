@@ -35,6 +35,7 @@ _COLORS = {
 }
 _RESTS = 1e-5  # what has moved by less since it was last written rests [m; parts of a quaternion]
 _BLOCK = 4096  # times whose poses are computed at once
+_AT_ONCE = 32  # poses that are compared at once with one
 _STILL = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 _XYZW = [1, 2, 3, 0]
 _SECOND_NS = 1_000_000_000
@@ -169,15 +170,19 @@ def _moved(last: Array, poses: Array) -> list[int]:
     if not poses.size:
         return []
     flat = poses.reshape(len(poses), -1)
-    # Most that move have moved since the pose before, which is then the last one that is written.
-    goes_on = [False, *(np.abs(np.diff(flat, axis=0)).max(axis=1) > _RESTS).tolist()]
+    # What goes on moving has moved since the pose before, which is the last one that is written.
+    rests = np.flatnonzero(np.abs(np.diff(flat, axis=0)).max(axis=1) <= _RESTS) + 1
     kept: list[int] = []
-    written = last.reshape(-1)
-    for index, moves in enumerate(goes_on):
-        is_next = bool(kept) and kept[-1] == index - 1
-        if moves if is_next else np.abs(flat[index] - written).max() > _RESTS:
-            kept.append(index)
-            written = flat[index]
+    written, at = last.reshape(-1), 0
+    while at < len(flat):
+        is_elsewhere = np.abs(flat[at : at + _AT_ONCE] - written).max(axis=1) > _RESTS
+        if not is_elsewhere.any():
+            at += _AT_ONCE
+            continue
+        begin = at + int(is_elsewhere.argmax())
+        at = int(np.append(rests[rests > begin], len(flat))[0])
+        kept += range(begin, at)
+        written = flat[at - 1]
     return kept
 
 
