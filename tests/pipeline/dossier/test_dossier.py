@@ -496,6 +496,18 @@ def test_no_dossier_with_hardware_that_its_blocks_were_not_computed_with(
     assert outcome.code == 0, outcome.err
 
 
+def test_no_dossier_of_another_mission_than_its_blocks_state(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cell.py").write_text(SHARED)
+    words = ["report", "cell.py", "--profile", "place:pick=0.1,done=0.9"]
+    assert main([*words, "--dossier", "out.zip"]) == 2
+    assert "cell.py: a dossier has the figure of the blocks in it" in capsys.readouterr().err
+    assert not (tmp_path / "out.zip").exists()
+    assert main([*words, "--output", "out.html"]) == 0
+    said = "--profile gives other shares than the block of place, so another mission"
+    assert said in (tmp_path / "out.html").read_text()
+
+
 def weaker(trace: dict) -> None:
     trace["end"]["simulated_s"] *= 0.1
     for visit in trace["visits"]:

@@ -173,12 +173,16 @@ def _write_page(
     from tracerisk.report.html.report import render_report
 
     files = list(sources)
-    model = model_of_sources(files, read_profile(options))
+    profile = read_profile(options)
+    model = model_of_sources(files, profile)
     assessment = api.solve(model)
     verdicts = sources_verdict(files)
     assert verdicts is not None, "the files are sources"
     lines = verdicts.all_lines
     lines += [f"{finding.kind}: {finding.text}" for finding in outrun]
+    if profile:
+        named = ", ".join(sorted(profile))
+        lines.append(f"--profile gives other shares than the block of {named}, so another mission")
     more = history_shown(options.files[0]) if options.history else ()
     run = _run_of(kept, trace, recorded, options)
     page = report_input(
@@ -240,7 +244,14 @@ def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
 
 
 def _check_values(options: argparse.Namespace, kept: KeptRun | None) -> None:
-    """Raise InputError for options with which the blocks were not computed."""
+    """Raise InputError for options with which neither the blocks nor the figure were computed."""
+    if options.profile:
+        raise InputError(
+            "a dossier has the figure of the blocks in it, and --profile replaces their `next`; "
+            "leave it out, or set `next` in the blocks by hand (`next := ...  ! reason`), where "
+            "the dossier lists it",
+            Location(options.files[0]),
+        )
     if kept is None:
         return
     root = kept.controller.root.resolve()
