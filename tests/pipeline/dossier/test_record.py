@@ -96,6 +96,88 @@ def test_what_differs_from_the_commit_is_named(here):
     assert states["gripper.py"] == "as committed"
 
 
+def assume_unchanged(here):
+    here.git("update-index", "--assume-unchanged", "gripper.py")
+
+
+def skip_worktree(here):
+    here.git("update-index", "--skip-worktree", "gripper.py")
+
+
+def clean_filter(here):
+    here.git("config", "filter.committed.clean", "git cat-file blob HEAD:gripper.py")
+    (here.folder / ".git" / "info" / "attributes").write_text("gripper.py filter=committed\n")
+
+
+def line_ends(here):
+    here.git("config", "core.autocrlf", "input")
+
+
+def replaced_blob(here):
+    (here.folder / "new").write_bytes(b"OPEN = 2\r\n")
+    new = here.git("hash-object", "-w", "--no-filters", "new").strip()
+    (here.folder / "new").unlink()
+    here.git("replace", here.git("rev-parse", "HEAD:gripper.py").strip(), new)
+
+
+@pytest.mark.parametrize(
+    "hide", [assume_unchanged, skip_worktree, clean_filter, line_ends, replaced_blob]
+)
+def test_a_change_that_git_is_told_not_to_see_is_named(here, hide):
+    here.write("gripper.py", "OPEN = 2\n")
+    here.commit()
+    before = made(here)
+    assert before.commit.changed == ()
+    hide(here)
+    assert made(here) == before
+    (here.folder / "gripper.py").write_bytes(b"OPEN = 2\r\n")
+    record = made(here)
+    assert {file.path: file.state for file in record.files}["gripper.py"] == "changed since"
+    assert record.commit.changed == ("gripper.py",)
+
+
+@pytest.mark.parametrize("hide", ["--assume-unchanged", "--skip-worktree"])
+def test_of_files_without_a_part_in_the_figure_too(here, hide):
+    here.git("update-index", hide, "notes.txt")
+    assert made(here).commit.changed == ()
+    here.write("notes.txt", "other notes\n")
+    assert made(here).commit.changed == ("notes.txt",)
+    assert made(here, made=(here.folder / "notes.txt",)).commit.changed == ()
+    (here.folder / "notes.txt").unlink()
+    assert made(here).commit.changed == ()
+
+
+def test_a_link_is_as_committed_with_its_target_and_what_it_leads_to(here):
+    here.write("cell/soft.yaml", "components: {}\n")
+    here.write("cell/rosy.yaml", "components: {}\n")
+    (here.folder / "own.yaml").symlink_to("./cell/soft.yaml")
+    settings = Settings(hardware="own.yaml")
+
+    def state():
+        return {file.path: file.state for file in made(here, settings).files}["own.yaml"]
+
+    assert state() == "not committed"
+    here.commit()
+    assert state() == "as committed"
+    here.git("update-index", "--assume-unchanged", "own.yaml", "cell/soft.yaml")
+    (here.folder / "own.yaml").unlink()
+    (here.folder / "own.yaml").symlink_to("cell/rosy.yaml")
+    assert state() == "changed since"
+    assert made(here, settings).commit.changed == ("own.yaml",)
+    (here.folder / "own.yaml").unlink()
+    (here.folder / "own.yaml").symlink_to("./cell/soft.yaml")
+    here.write("cell/soft.yaml", "components: {gear: {}}\n")
+    assert state() == "changed since"
+    assert made(here, settings).commit.changed == ("cell/soft.yaml",)
+
+
+def test_a_file_that_is_added_and_in_no_commit_is_not_committed(here):
+    here.write("cell.yaml", "objects: []\n")
+    here.git("add", "cell.yaml")
+    states = {file.path: file.state for file in made(here, Settings(scenario="cell.yaml")).files}
+    assert states["cell.yaml"] == "not committed"
+
+
 def test_a_file_that_is_only_touched_is_as_committed(here):
     os.utime(here.folder / "arm.py", (0, 0))
     assert made(here).commit.changed == ()

@@ -80,7 +80,7 @@ class Hostile:
             lambda: review(["HEAD~1..HEAD"]),
             lambda: histories([self.folder / "cell.py"]),
             lambda: kept_by_git(self.folder, "cell.py"),
-            lambda: checked_out(self.folder, [self.folder / "cell.py"]),
+            lambda: checked_out(self.folder, {self.folder / "cell.py": b""}),
             self._write,
         )
         for question in asked:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from datetime import datetime, timedelta, timezone
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from tracerisk.common.record import Commit, FileState
 from tracerisk.errors import InputError
-from tracerisk.pipeline.history.repository import Repository
+from tracerisk.pipeline.history.repository import SYMLINK, Repository
 
 _COMMITTER = re.compile(rb"^committer .* (\d+) ([+-])(\d\d)(\d\d)$", re.MULTILINE)
+_MOST_LINKS = 40  # as many as Linux follows
 
 
 class CheckedOut(NamedTuple):
@@ -25,10 +27,12 @@ class CheckedOut(NamedTuple):
 
 
 def checked_out(
-    folder: Path, files: Sequence[Path], *, made: Collection[Path] = ()
+    folder: Path, files: Mapping[Path, bytes], *, made: Collection[Path] = ()
 ) -> CheckedOut | str:
     """Return the commit of a folder and how files stand to it, or why there is none.
 
+    `files` have the bytes that count. They are compared with the commit's own: what git says of a
+    file can be switched off (`--assume-unchanged`, `--skip-worktree`, attributes).
     Files that are `made` of the others, as a report is, do not count as changed.
     """
     try:
@@ -39,40 +43,87 @@ def checked_out(
 
 
 def _checked_out(
-    repository: Repository, files: Sequence[Path], made: Collection[Path]
+    repository: Repository, files: Mapping[Path, bytes], made: Collection[Path]
 ) -> CheckedOut | str:
     head = repository.read("HEAD^{commit}")
     if head is None:
         return "the repository has no commit yet"
-    top = repository.top.resolve()
-    changed = {top / name for name in _changed(repository)}
-    within = [path for path in files if path.resolve().is_relative_to(top)]
-    tracked = _tracked(repository, top, within)
-    left = changed - {path.resolve() for path in made}
-    names = sorted(path.relative_to(top).as_posix() for path in left)
-    states: dict[Path, FileState] = {}
-    for path in files:
-        real = path.resolve()
-        states[path] = "not committed"
-        if real in tracked:
-            states[path] = "changed since" if real in changed else "as committed"
-    return CheckedOut(Commit(head[0], _committed(head[2]), tuple(names)), states)
+    tree = _Tree(repository, repository.top.resolve(), repository.tree_of(head[0]))
+    compared = {path: tree.compared(path, data) for path, data in files.items()}
+    changed = {place for state, place in compared.values() if state == "changed since"}
+    changed |= {*_changed(tree)} - {str(_within(tree.top, path.resolve())) for path in made}
+    states = {path: state for path, (state, _) in compared.items()}
+    return CheckedOut(Commit(head[0], _committed(head[2]), tuple(sorted(changed))), states)
 
 
-def _changed(repository: Repository) -> list[str]:
-    """Return the tracked files that differ from the commit, in the index or the working tree."""
+class _Tree(NamedTuple):
+    """The files of a commit."""
+
+    repository: Repository
+    """The repository that has it."""
+    top: Path
+    """The top folder of the working tree, without symbolic links."""
+    entries: Mapping[str, tuple[str, str]]
+    """The mode and the hash of each file, by its path from the top."""
+
+    def compared(self, path: Path, data: bytes) -> tuple[FileState, str]:
+        """Return how a file with these bytes stands to the commit, and the path that decides it.
+
+        A symbolic link must be the commit's own too, and so must what it leads to.
+        """
+        place = _within(self.top, path)
+        for _ in range(_MOST_LINKS):
+            link = None if place is None else self._first_link(place)
+            if place is None or link is None:
+                break
+            # As it stands: `Path.readlink` leaves out a `./` that is in the commit.
+            target = os.readlink(self.top / link)  # noqa: PTH115
+            if not self._holds(link, os.fsencode(target), is_link=True):
+                return self._other(link)
+            place = _within(self.top, self.top / link.parent / target / place.relative_to(link))
+        if place is None:
+            return "not committed", ""
+        return ("as committed", str(place)) if self._holds(place, data) else self._other(place)
+
+    def _other(self, place: PurePosixPath) -> tuple[FileState, str]:
+        return "changed since" if str(place) in self.entries else "not committed", str(place)
+
+    def _first_link(self, place: PurePosixPath) -> PurePosixPath | None:
+        """Return the first symbolic link on the way to a place."""
+        ways = (*reversed(place.parents), place)
+        return next((way for way in ways if (self.top / way).is_symlink()), None)
+
+    def _holds(self, place: PurePosixPath, data: bytes, *, is_link: bool = False) -> bool:
+        mode, blob = self.entries.get(str(place), ("", ""))
+        return (mode == SYMLINK) == is_link and self.repository.blob(blob) == data
+
+
+def _within(top: Path, path: Path) -> PurePosixPath | None:
+    """Return the path of a file from the top, `None` for one outside; links stay in it."""
+    plain = Path(os.path.normpath(path))
+    roots = (parent for parent in plain.parents if top in (parent, parent.resolve()))
+    root = next(roots, None)
+    return None if root is None else PurePosixPath(plain.relative_to(root).as_posix())
+
+
+def _changed(tree: _Tree) -> Iterator[str]:
+    """Yield the tracked files that differ from the commit, in the index or the working tree."""
     asked = ("status", "--porcelain=v1", "-z", "--untracked-files=no", "--no-renames")
-    listed = repository.output(*asked).decode(errors="surrogateescape")
-    return [entry[3:] for entry in listed.split("\0") if entry]
+    for entry in _split(tree.repository.output(*asked)):
+        yield entry[3:]
+    # Of these git does not say it: the flag of what is taken as unchanged is a small letter.
+    for flag, _, name in (
+        line.partition(" ") for line in _split(tree.repository.output("ls-files", "-v", "-z"))
+    ):
+        path = tree.top / name
+        if (flag.islower() or flag == "S") and path.is_file():
+            state, place = tree.compared(path, path.read_bytes())
+            if state == "changed since":
+                yield place
 
 
-def _tracked(repository: Repository, top: Path, files: Sequence[Path]) -> set[Path]:
-    """Return which of the files the commit has, or the index is about to add."""
-    if not files:
-        return set()
-    paths = [str(path.resolve()) for path in files]
-    listed = repository.output("ls-files", "-z", "--", *paths)
-    return {top / name for name in listed.decode(errors="surrogateescape").split("\0") if name}
+def _split(listed: bytes) -> list[str]:
+    return [part for part in listed.decode(errors="surrogateescape").split("\0") if part]
 
 
 def _committed(commit: bytes) -> str:

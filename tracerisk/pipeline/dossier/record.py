@@ -57,13 +57,14 @@ def make_record(
     root = controller_root(Path(next(iter(sources)))).resolve()
     texts = {Path(os.path.normpath(Path(file).absolute())): data for file, data in sources.items()}
     roles = _files(root, texts, settings, trace)
-    found = checked_out(root, [*roles], made=made)
+    contents = {path: texts[path] if path in texts else whole_file(path) for path in roles}
+    found = checked_out(root, contents, made=made)
     states: Mapping[Path, FileState] = {} if isinstance(found, str) else found.states
     files = [
         RecordedFile(
             role,
             from_root(root, path),
-            sha256(texts[path] if path in texts else whole_file(path)),
+            sha256(contents[path]),
             states.get(path, ""),
         )
         for path, role in roles.items()

@@ -75,6 +75,8 @@ _ENVIRONMENT = {
     "LC_ALL": "C",
     "LANGUAGE": "C",
     "GIT_NO_LAZY_FETCH": "1",
+    # A commit is what its hash says, and not what `git replace` puts in its place.
+    "GIT_NO_REPLACE_OBJECTS": "1",
     # It goes before `protocol.NAME.allow` of a repository; no protocol has this name.
     "GIT_ALLOW_PROTOCOL": "none",
     "GIT_TERMINAL_PROMPT": "0",

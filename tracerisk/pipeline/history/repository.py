@@ -88,6 +88,17 @@ class Repository:
         row = self.read(name)
         return row[2] if row is not None and row[1] == "blob" else None
 
+    def tree_of(self, commit: str) -> dict[str, tuple[str, str]]:
+        """Return the mode and the hash of each file of a commit, by its path from the top."""
+        listed = self.output("ls-tree", "-r", "-z", "--full-tree", commit)
+        entries = {}
+        for line in listed.decode(errors="surrogateescape").split("\0"):
+            head, tab, path = line.partition("\t")
+            if tab:
+                mode, _, blob = head.split(" ")
+                entries[path] = mode, blob
+        return entries
+
     def left_out(self, path: str) -> bytes | None:
         """Return a file that a sparse checkout leaves out of the working tree; `None` for none.
 
