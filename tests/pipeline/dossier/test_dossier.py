@@ -587,16 +587,26 @@ def test_a_dossier_says_what_was_recomputed_and_what_was_taken_on_trust(
     assert rows["the risk blocks"].startswith("recomputed from `trace.json`")
     assert rows["the run, `trace.json`"].startswith("compared with `tracerisk.lock`")
     assert rows["that the run is one of these inputs"].startswith("**on trust**")
-    assert "the duration of the mission T" not in rows
+    established = rows["the duration of the mission T"]
+    assert established.startswith("compared with `tracerisk.lock`: no longer than the visits")
+    rate = dict(tables(text, "", ""))["mean rate"].partition(" ")[0]
 
     (cached,) = (example.folder / ".tracerisk_cache").glob("*.json")
     trace = json.loads(cached.read_text())
-    trace["end"]["simulated_s"] *= 2.0
+    seconds = trace["end"]["simulated_s"]
+    trace["end"]["simulated_s"] *= 10.0
     cached.write_text(json.dumps(trace))
     assert example.run("report", "controller.py", "--dossier", "out.zip").code == 0
     text = (unzipped(example.folder / "out.zip", tmp_path / "two") / "README.md").read_text()
     rows = dict(tables(text, "what", "how it was established"))
-    assert rows["the duration of the mission T"].startswith("**on trust** for ")
+    (rest,) = re.findall(
+        r"\*\*on trust\*\* for (\S+) s of it", rows["the duration of the mission T"]
+    )
+    assert float(rest) == pytest.approx(9.0 * seconds, rel=1e-3)
+    facts = dict(tables(text, "", ""))
+    assert f"**on trust** for {rest} s of it" in facts["duration of the mission T"]
+    assert facts["mean rate"].partition(" ")[0] == rate
+    assert " s of the visits as T; " in facts["mean rate"]
 
     cached.unlink()
     assert example.run("report", "controller.py", "--dossier", "out.zip").code == 0
@@ -616,6 +626,14 @@ def test_a_trace_of_other_sources_is_refused(with_own_hardware, example_in, tmp_
     outcome = example.run(*options)
     assert outcome.code == 2, outcome.err
     assert "the run is of other sources" in " ".join(outcome.err.split())
+
+    example.write("same.json", cached.read_text())
+    outcome = example.run(*(option.replace("other.json", "same.json") for option in options))
+    assert outcome.code == 0, outcome.err
+    text = (unzipped(example.folder / "out.zip", tmp_path / "out") / "README.md").read_text()
+    rows = dict(tables(text, "what", "how it was established"))
+    assert rows["the run, `trace.json`"].startswith("**on trust**")
+    assert "the duration of the mission T" not in rows
 
 
 def test_the_guide_runs_the_controller_and_not_one_of_its_modules(example_in, quick, tmp_path):

@@ -126,23 +126,20 @@ def _trust(report: ReportInput) -> str:
         rows.append(
             (
                 "the run, `trace.json`",
-                "compared with `tracerisk.lock`: robot, scene, end, verdict, and by function "
+                of_no_run
+                or "compared with `tracerisk.lock`: robot, scene, end, verdict, and by function "
                 "visits, durations and times in use",
             )
         )
-    trace = report.trace
-    length_s = None if trace is None or trace.cycle is not None else trace.end.simulated_s
-    if trace is not None and length_s is not None:
-        longest_s = max((visit.duration_s or 0.0 for visit in trace.visits), default=0.0)
-        rest_s = length_s - longest_s
-        if rest_s > _UNSEEN * length_s:
-            rows.append(
-                (
-                    "the duration of the mission T",
-                    f"**on trust** for {number(rest_s)} s of it: the lock has the durations of "
-                    f"visits, and the longest took {number(longest_s)} s",
-                )
+    if outside_visits_s(report):
+        rows.append(("the duration of the mission T", _outside_words(report)))
+    elif has_run and report.record.fingerprint:
+        rows.append(
+            (
+                "the duration of the mission T",
+                "compared with `tracerisk.lock`: no longer than the visits there last together",
             )
+        )
     rows += [
         (
             "that the run is one of these inputs",
@@ -183,10 +180,14 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
         yield "band", "none: no figure behind it has an error factor"
     duration_s = None if report.trace is None else mission_duration_s(report.trace)
     if duration_s:
-        yield "duration of the mission T", f"{number(duration_s)} s"
+        outside = _outside_words(report)
+        yield "duration of the mission T", f"{number(duration_s)} s{', ' * bool(outside)}{outside}"
+        # What no visit shows would only make the rate smaller.
+        duration_s -= outside_visits_s(report)
         if risk < 1.0:
             rate = -math.log1p(-risk) / (duration_s / 3600.0)
-            text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600); {_TO_AN_HOUR}"
+            visited = f" with the {number(duration_s)} s of the visits as T" if outside else ""
+            text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600){visited}; {_TO_AN_HOUR}"
             yield "mean rate", text
     yield "verdict of the run", "; ".join(report.verdict) or "not known"
     by_hand = by_hand_words(report)
@@ -205,6 +206,29 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
     yield "tracerisk", report.record.version
     yield "made with", environment.words
     yield "commit", _commit(report.record)
+
+
+def outside_visits_s(report: ReportInput) -> float:
+    """Return how much longer the run lasted than its visits, which the lock has, together [s].
+
+    None where no run is known, and where the difference is small.
+    """
+    trace = report.trace
+    length_s = None if trace is None or trace.cycle is not None else trace.end.simulated_s
+    if trace is None or length_s is None:
+        return 0.0
+    rest_s = length_s - math.fsum(visit.duration_s or 0.0 for visit in trace.visits)
+    return rest_s if rest_s > _UNSEEN * length_s else 0.0
+
+
+def _outside_words(report: ReportInput) -> str:
+    rest_s = outside_visits_s(report)
+    if not rest_s:
+        return ""
+    return (
+        f"**on trust** for {number(rest_s)} s of it: so much longer is the run than all visits in "
+        "`tracerisk.lock` together"
+    )
 
 
 def by_hand_words(report: ReportInput) -> str:
