@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.pipeline.dossier.assumptions import GENERAL
 from tracerisk.pipeline.dossier.sheet import STEPS
 
 ROOT = Path(__file__).parents[1]
@@ -48,6 +49,13 @@ def test_the_sheet_of_a_dossier_has_the_steps_of_this_page():
     ]
     assert [int(number) for number, _ in rows] == list(range(1, len(STEPS) + 1))
     assert steps == list(STEPS)
+
+
+def test_a_dossier_has_the_assumptions_of_this_page():
+    section = TEXT.partition("## Assumptions and limits")[2].partition("Not modelled")[0]
+    rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \| [^|]+ \|$", section, re.MULTILINE)[1:]
+    plain = [tuple(re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", cell) for cell in row) for row in rows]
+    assert plain == list(GENERAL)
 
 
 def test_every_test_that_it_names_exists():

@@ -52,11 +52,29 @@ def test_a_figure_of_no_mission_is_marked_with_all_reasons(report, verdicts):
         {},
         {"arm": Verdict("complete")},
         {"arm": Verdict("partial", (Reason("no-answer", "partial", "no one answers"),))},
-        {"arm": Verdict("complete", (replace(CLOSED, accepted="a dry run"),))},
     ],
 )
 def test_a_figure_of_a_mission_is_not(report, verdicts):
     assert warning_of(report(**verdicts)) == []
+
+
+def test_a_run_that_went_wrong_keeps_its_warning_where_words_accept_it(report):
+    accepted = replace(CLOSED, accepted="a dry run")
+    (warning, reason) = warning_of(report(arm=Verdict("complete", (accepted,))))
+    assert warning.startswith("**Do not use the figures of this dossier** unless each of these")
+    assert reason == (
+        "- faulted: the gripper closed on nothing; accepted with the words: a dry run\n"
+    )
+    gap = Reason("no-answer", "partial", "no one answers", accepted="it is so")
+    assert warning_of(report(arm=Verdict("complete", (gap,)))) == []
+
+
+def test_what_a_check_does_not_let_pass_stands_first(report):
+    shown = replace(report(), unpassed=("unjustified: pick.gripper.probability has no reason",))
+    assert warning_of(shown) == [
+        "**`tracerisk check` does not let this project pass**:\n",
+        "- unjustified: pick.gripper.probability has no reason\n",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,9 @@ ProfileText = Mapping[str, Mapping[str, str]]
 """An operational profile: for each function the share of each target, as a user wrote it."""
 
 
+_HOLDING = "active: only motion counts, and the time in which joints hold something does not"
+
+
 @dataclass(frozen=True, slots=True)
 class ComputedBlocks:
     """The blocks of one trace and what stands behind them."""
@@ -159,6 +162,7 @@ def compute_blocks(
         *uncounted(trace, bound),
         *uncounted_holds(trace, bound),
         *_evidence_words(known, used),
+        *((_HOLDING,) if active == "moving" else ()),
     )
     return ComputedBlocks(blocks, exposures, observed, assumed, instances)
 

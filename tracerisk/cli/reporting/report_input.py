@@ -122,13 +122,14 @@ def report_input(
     verdict: Sequence[str],
     more: tuple[Section, ...] = (),
     band: str = "",
+    unpassed: Sequence[str] = (),
     record: Record | None = None,
 ) -> ReportInput:
     """Return what a page is made of; `sources` map the files with blocks, as messages call them.
 
     `run` is what is known of the run behind them, or why nothing is; `verdicts` are those of the
     controllers, and `verdict` their lines. `more` sections follow those of the run, `band` says how
-    far the figure may be off.
+    far the figure may be off, and `unpassed` what a check does not let pass.
     Raises BlockError or SourceError where blocks are malformed.
     """
     report = ReportInput(
@@ -142,6 +143,7 @@ def report_input(
         verdict=tuple(verdict),
         sections=more,
         band=band,
+        unpassed=tuple(unpassed),
         record=record,
     )
     if isinstance(run, str):

@@ -64,6 +64,10 @@ _MADE = ("output", "dossier", "gif", "mp4")
 """The options that name a file to write."""
 _OF_VALUES = ("hardware", "active")
 """The options with which blocks are computed."""
+_OUTRUN = MENDED_BY_REFRESH - {"unknown"}
+"""The findings by which a figure does not follow from the files that are here now.
+
+Blocks that no lock knows are the word of their author, and follow from nothing else."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +115,8 @@ def run(options: argparse.Namespace) -> int:
     if options.history and options.output is None:
         raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     kept = _kept(options.files[0])
-    outrun = _outrun(options)
+    unpassed = _unpassed(options)
+    outrun = tuple(finding for finding in unpassed if finding.kind in _OUTRUN)
     if options.dossier is not None:
         _check_values(options, kept)
         if outrun:
@@ -134,7 +139,7 @@ def run(options: argparse.Namespace) -> int:
     )
     shown: dict[str, Any] = {}
     if options.output is not None or options.dossier is not None:
-        shown = _write_page(options, kept, trace, recorded, sources, review, both, outrun)
+        shown = _write_page(options, kept, trace, recorded, sources, review, both, unpassed)
     if wants_pictures(options):
         settings = _settings(kept, options)
         code, pictures = write_report_pictures(
@@ -162,11 +167,11 @@ def _write_page(
     sources: Mapping[str, bytes],
     review: Review | None,
     both: SideBySide | str,
-    outrun: Sequence[CheckFinding],
+    unpassed: Sequence[CheckFinding],
 ) -> dict[str, Any]:
     """Write the page; return what `--json` prints of it.
 
-    It says why the figure does not follow from the files of now, if it is `outrun` by them.
+    It says what is `unpassed`: why the figure does not follow from the files of now.
     """
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.report.html.record import report_record
@@ -179,7 +184,7 @@ def _write_page(
     verdicts = sources_verdict(files)
     assert verdicts is not None, "the files are sources"
     lines = verdicts.all_lines
-    lines += [f"{finding.kind}: {finding.text}" for finding in outrun]
+    lines += [f"{finding.kind}: {finding.text}" for finding in unpassed if finding.kind in _OUTRUN]
     if profile:
         named = ", ".join(sorted(profile))
         lines.append(f"--profile gives other shares than the block of {named}, so another mission")
@@ -196,6 +201,7 @@ def _write_page(
         verdict=lines,
         more=more,
         band=band_shown(run, model, sources, _settings(kept, options)),
+        unpassed=tuple(f"{finding.kind}: {finding.text}" for finding in unpassed),
         record=record_of(
             run,
             sources,
@@ -221,10 +227,9 @@ def _write_page(
     }
 
 
-def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
-    """Return why the figure does not follow from the files that are here now.
+def _unpassed(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
+    """Return what a check of the files that are here now does not let pass.
 
-    Blocks that no lock knows are the word of their author, and follow from nothing else.
     Raises what a check raises where a dossier is asked for; a page shows what can be read.
     """
     if options.output is None and options.dossier is None:
@@ -239,8 +244,7 @@ def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
     except TraceRiskError:
         if options.dossier is not None:
             raise
-    kinds = MENDED_BY_REFRESH - {"unknown"}
-    return tuple(finding for finding in findings if finding.kind in kinds)
+    return tuple(findings)
 
 
 def _check_values(options: argparse.Namespace, kept: KeptRun | None) -> None:
@@ -293,12 +297,7 @@ def _write_dossier(
         check_kept_trace(kept)
         evidence = used_evidence(kept.controller, settings, kept.fingerprint)
     root = controller_root(Path(options.files[0]))
-    data = dossier(
-        *(page, html, root),
-        active=settings.active,
-        tolerance=settings.tolerance,
-        evidence=evidence,
-    )
+    data = dossier(page, html, root, settings=settings, evidence=evidence)
     write_file(options.dossier, data)
     return sha256(data)
 

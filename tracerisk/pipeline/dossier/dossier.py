@@ -14,30 +14,29 @@ from tracerisk.adder.figures.derive import derive_function
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.shipped import shipped_bytes
-from tracerisk.common.hardware.sources import without_source
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.printable import printable_json, without_controls
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.language import is_c_like
+from tracerisk.pipeline.dossier.assumptions import assumptions
 from tracerisk.pipeline.dossier.calculation import hand_calculation
 from tracerisk.pipeline.dossier.environment import environment
-from tracerisk.pipeline.dossier.guide import CONSTRAINTS, guide, packed_name, warning_of
+from tracerisk.pipeline.dossier.guide import CONSTRAINTS, guide, packed_name
 from tracerisk.pipeline.dossier.record import whole_file
 from tracerisk.pipeline.dossier.sheet import sheet
+from tracerisk.pipeline.freshness.run_inputs import settings_data
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
 from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.report.html.record import report_record
-from tracerisk.report.instances import component_shares
-from tracerisk.report.tables import share_text
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.adder.quantify.evidence_shares import EvidenceShares
     from tracerisk.common.record import RecordedFile
-    from tracerisk.config import ActiveMode
+    from tracerisk.config import ActiveMode, Settings
     from tracerisk.report.html.report_input import ReportInput
 
 FUNCTIONS, MISSION, MODEL = "model/functions.xml", "model/mission.xml", "model/model.json"
@@ -54,23 +53,21 @@ def dossier(
     page: str,
     root: Path,
     *,
-    active: ActiveMode,
-    tolerance: float,
+    settings: Settings,
     evidence: EvidenceShares | None = None,
 ) -> bytes:
     """Return the archive; the same report gives the same bytes.
 
-    `page` is the report as HTML, `root` the folder from which its record names files; `active` and
-    `evidence` are what its blocks were computed with, `tolerance` by how much of itself a kept
-    value may differ from what the run gives.
+    `page` is the report as HTML, `root` the folder from which its record names files; `settings`
+    and `evidence` are what its blocks were computed with.
     Raises InputError for a file that has changed since the record was made, or a block that does
     not follow from the run; ModelError for a model without a component.
     """
     assert report.record is not None, "a dossier is of a report with its record"
     here, mission = environment(), mission_tree(report.model)
-    derivations = _derivations(report, root, active, evidence)
+    derivations = _derivations(report, root, settings.active, evidence)
     if not isinstance(derivations, str):
-        _check_follow(derivations, tolerance)
+        _check_follow(derivations, settings.tolerance)
     calculation = hand_calculation(report.model, report.assessment, mission, derivations)
     contents: dict[str, bytes] = {
         REPORT: page.encode(),
@@ -78,7 +75,7 @@ def dossier(
         CONSTRAINTS: here.constraints.encode(),
         CALCULATION: _text(calculation),
         SHEET: _text(sheet(report)),
-        ASSUMPTIONS: _text(_assumptions(report)),
+        ASSUMPTIONS: _text(assumptions(report, _other_than_default(settings, root))),
         MODEL: model_json.dumps(report.model).encode(),
         **_open_psa(report, mission),
         **_files(report, root),
@@ -89,6 +86,12 @@ def dossier(
     lines = [f"{sha256(data)}  {name}\n" for name, data in sorted(contents.items())]
     contents[DIGESTS] = "".join(lines).encode()
     return _archive(contents)
+
+
+def _other_than_default(settings: Settings, root: Path) -> dict[str, object]:
+    """Return the settings that a figure depends on and that are not the default."""
+    data = settings_data(settings, root.resolve())
+    return {name: value for name, value in data.items() if name not in ("tracerisk", "accept")}
 
 
 def _check_follow(derivations: Sequence[FunctionDerivation], tolerance: float) -> None:
@@ -152,46 +155,6 @@ def _blocks(report: ReportInput) -> Mapping[tuple[Path, str], RiskBlock]:
         for path in paths
         for placed in read_blocks(whole_file(path), str(path))
     }
-
-
-def _assumptions(report: ReportInput) -> str:
-    lines = (*report.assumptions, *report.assessment.assumptions)
-    listed = "".join(f"- {line}\n" for line in lines) or "None beyond the model itself.\n"
-    found = (*report.findings, *report.assessment.findings)
-    findings = "".join(f"- {line}\n" for line in found) or "Nothing stood out.\n"
-    pins = "".join(
-        f"- {pin.location}: {pin.field} := {pin.value}, computed {pin.computed or 'nothing'}; "
-        f"{pin.reason or 'no reason is given'}\n"
-        for pin in report.pins
-    )
-    warning = "".join(f"{paragraph}\n" for paragraph in warning_of(report))
-    return (
-        f"# Assumptions of {report.model.name}\n\n{warning}"
-        f"The figures hold if these do.\n\n{listed}\n"
-        f"## Failure data without a source\n\n{_without_source(report)}\n\n"
-        f"## Findings\n\n{findings}\n"
-        f"## Values set by hand\n\n{pins or 'None: every value is computed.'}"
-    ).rstrip("\n") + "\n"
-
-
-def _without_source(report: ReportInput) -> str:
-    """Return which failure data are assumed, or have no source at all, as a list."""
-    if report.figures is None or report.hardware is None:
-        return "Not known: the run is not in this dossier."
-    stated = [
-        (figure.component, figure.fussell_vesely, figure.source)
-        for figure in report.figures.assumed
-    ]
-    shares = component_shares(report.assessment)
-    stated += [
-        (name, shares[name], "no source is given")
-        for name in without_source(report.hardware)
-        if name in shares
-    ]
-    lines = (
-        f"- {name} ({share_text(share)} of the figure): {text}" for name, share, text in stated
-    )
-    return "\n".join(lines) or "None."
 
 
 def _files(report: ReportInput, root: Path) -> dict[str, bytes]:

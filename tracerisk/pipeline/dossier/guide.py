@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.quantify.component_activity import mission_duration_s
+from tracerisk.common.verdict import BAD, VERDICTS, VerdictKind
 from tracerisk.pipeline.freshness.run_inputs import UNSET
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.report.explain.words import number
@@ -33,7 +34,7 @@ _CONTENTS = (
     ("report.html", "the report, with its replay where the run was recorded"),
     ("record.json", "versions, commit, digests, robot, assumptions, verdict and outcome"),
     ("calculation.md", "every figure from the failure rate to the mission, with its steps"),
-    ("assumptions.md", "what must hold, what stood out, and what was set by hand"),
+    ("assumptions.md", "what must hold, what stood out, what was set by hand or accepted"),
     ("sheet.md", "the steps before you rely on the figure, to fill in and sign"),
     ("trace.json", "the run: visits, exposures, findings, verdict"),
     ("model/functions.xml", "Open-PSA: the fault tree of one visit of each function"),
@@ -157,14 +158,37 @@ def _trust(report: ReportInput) -> str:
 
 
 def warning_of(report: ReportInput) -> list[str]:
-    """Return why the figure is not to be used, as paragraphs of Markdown; none where it may be."""
-    if all(verdict is not None and not verdict.is_bad for verdict in report.verdicts.values()):
-        return []
-    listed = "\n".join(f"- {line}" for line in report.verdict)
+    """Return what speaks against the use of the figure, as paragraphs of Markdown."""
+    parts = []
+    if not all(verdict is not None and not verdict.is_bad for verdict in report.verdicts.values()):
+        parts += [
+            "**Do not use the figures of this dossier**: the run did not carry out the mission, or "
+            "nobody knows whether it did.\n",
+            "".join(f"- {line}\n" for line in report.verdict),
+        ]
+    elif went_wrong := accepted_reasons(report, kinds=BAD):
+        parts += [
+            "**Do not use the figures of this dossier** unless each of these acceptances is right: "
+            "the run went wrong, and words alone make it another verdict.\n",
+            "".join(f"- {line}\n" for line in went_wrong),
+        ]
+    if report.unpassed:
+        parts += [
+            "**`tracerisk check` does not let this project pass**:\n",
+            "".join(f"- {line}\n" for line in report.unpassed),
+        ]
+    return parts
+
+
+def accepted_reasons(
+    report: ReportInput, *, kinds: Collection[VerdictKind] = VERDICTS
+) -> list[str]:
+    """Return the accepted reasons that would make a verdict of these kinds, with their words."""
     return [
-        "**Do not use the figures of this dossier**: the run did not carry out the mission, or "
-        "nobody knows whether it did.\n",
-        f"{listed}\n",
+        f"{reason.verdict}: {reason}; accepted with the words: {reason.accepted}"
+        for verdict in report.verdicts.values()
+        for reason in (() if verdict is None else verdict.reasons)
+        if reason.accepted and reason.verdict in kinds
     ]
 
 
@@ -190,6 +214,9 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
             text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600){visited}; {_TO_AN_HOUR}"
             yield "mean rate", text
     yield "verdict of the run", "; ".join(report.verdict) or "not known"
+    accepted = accepted_reasons(report)
+    if accepted:
+        yield "accepted", f"{counted(len(accepted), 'reason')}: `assumptions.md`"
     by_hand = by_hand_words(report)
     if by_hand:
         yield "set by hand", f"{by_hand}: `assumptions.md`"

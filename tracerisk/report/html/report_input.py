@@ -112,6 +112,8 @@ class ReportInput:
     """The run of that version and the present one, to show in step; or why not, in a sentence."""
     band: str = ""
     """How far the figure may be off, in one sentence; "" where that is not known."""
+    unpassed: tuple[str, ...] = ()
+    """What a check of the files does not let pass, one line each."""
     record: Record | None = None
     """What the figure was made from; `None` where nobody gathered it."""
     sections: tuple[Section, ...] = field(default=())

@@ -1,0 +1,98 @@
+"""All that must hold for a figure stands on one page of its dossier."""
+
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.adder.blocks.override import Override
+from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.verdict import Reason, Verdict
+from tracerisk.config import Settings
+from tracerisk.errors import Location
+from tracerisk.pipeline.dossier.assumptions import GENERAL, assumptions
+from tracerisk.prm import FaultTree, HybridModel, solve
+from tracerisk.report.html.report_input import ReportInput
+
+HARDWARE = """\
+components:
+  gear:
+    mttfd: {value: 400000, unit: hour, dangerous: 0.5,
+            temperature: {rated: 40, working: 55, activation_energy: 0.7}}
+    load_law: {reference_load: 0.4, wearing_share: 0.6}
+    quantity: 2
+    redundancy: true
+    common_cause: {beta: 0.05}
+    twin: {joints: ["joint_1", "joint_2"]}
+  unused: {failure_rate: {value: 1e-9, per: hour}, active: always}
+"""
+
+
+@pytest.fixture(scope="module")
+def report():
+    tree = FaultTree.of("pick fails", {"pick fails": ("or", "gear")}, {"gear": 1e-8})
+    model = HybridModel.of("arm.py", {"pick": tree})
+    return ReportInput(assessment=solve(model), model=model)
+
+
+def section(text, title):
+    return text.partition(f"## {title}\n\n")[2].partition("\n\n## ")[0].rstrip("\n")
+
+
+def test_the_assumptions_of_all_figures_close_it(report):
+    listed = section(assumptions(report, {}), "Assumptions of all figures").splitlines()[2:]
+    assert len(listed) == len(GENERAL)
+    for line, (assumption, effect) in zip(listed, GENERAL, strict=True):
+        assert line == f"- {assumption}. If wrong: {effect}"
+
+
+def test_every_setting_that_is_not_the_default_is_on_it(report):
+    title = "Settings that are not the default"
+    assert section(assumptions(report, {}), title) == "None."
+    text = assumptions(report, {"active": "moving", "mission_cycles": 3})
+    assert section(text, title) == "- `active`: moving\n- `mission_cycles`: 3"
+
+
+def test_every_accepted_reason_is_on_it_with_its_words(report):
+    reason = Reason("no-answer", "partial", "no one answers", accepted="it is so")
+    shown = replace(report, verdicts={"arm": Verdict("complete", (reason,))})
+    assert section(assumptions(shown, {}), "Accepted reasons") == (
+        "- partial: no one answers; accepted with the words: it is so"
+    )
+    assert section(assumptions(report, {}), "Accepted reasons") == "None."
+
+
+@pytest.fixture
+def described(report, tmp_path):
+    (tmp_path / "cell.yaml").write_text(HARDWARE)
+    hardware = load_hardware(Settings(hardware=str(tmp_path / "cell.yaml")), "panda")
+    return replace(report, hardware=hardware)
+
+
+def test_what_the_data_of_a_component_assume_is_on_it(described):
+    assert [
+        line for line in assumptions(described, {}).splitlines() if line.startswith("- gear: ")
+    ] == [
+        "- gear: 50 % of its failures are dangerous, so that all are 2 times those of the data "
+        "sheet",
+        "- gear: it works at 55 degC, where its rate is 3.273 times that at 40 degC, by "
+        "Arrhenius' law with 0.7 eV",
+        "- gear: 5 % of the failures of a unit have a cause that fails all units",
+        "- gear: 60 % of its failures come from wear, and grow with load to the power of 3",
+    ]
+    assert "unused: " not in assumptions(described, {})
+
+
+@pytest.mark.parametrize(
+    ("field", "words"),
+    [
+        ("pick.encoder.probability", "the hardware description does not have it"),
+        ("pick.gear.probability", "the run does not use it there"),
+    ],
+)
+def test_a_pin_that_alone_keeps_its_component_is_named(described, field, words):
+    pin = Override("value", field, "2e-09", Location("arm.py", 3))
+    listed = section(assumptions(replace(described, pins=(pin,)), {}), "Values set by hand")
+    assert listed == (
+        f"- arm.py:3: {field} := 2e-09, computed nothing, as {words} (the pin alone keeps it); "
+        "no reason is given"
+    )

@@ -1,0 +1,166 @@
+"""The page of a dossier with all that must hold for its figure: of the run, the data, the tool."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from tracerisk.common.hardware.sources import without_source
+from tracerisk.pipeline.dossier.guide import accepted_reasons, warning_of
+from tracerisk.report.instances import component_shares
+from tracerisk.report.tables import share_text
+
+if TYPE_CHECKING:
+    from tracerisk.adder.blocks.override import Override
+    from tracerisk.common.hardware.model import Component
+    from tracerisk.report.html.report_input import ReportInput
+
+GENERAL = (
+    (
+        "One run shows the mission: the same branches, times and loads as in the field",
+        "functions that never ran are in no figure; exposures are off",
+    ),
+    (
+        "A component that is in use is needed, and one that is idle is not",
+        "too high by some per cent for motors, and far too high for sensors whose "
+        "readings nobody uses; too low for a gripper that fails while it is idle "
+        "(counted)",
+    ),
+    (
+        "Rates are constant in time, or follow a Weibull law with a stated age",
+        "wear-out and early failures are missed",
+    ),
+    (
+        "Failures are independent except for the declared `common_cause`",
+        "redundant parts look too reliable",
+    ),
+    (
+        "All redundant units work at mission start, and a first failure stays latent "
+        "until the mission ends",
+        "too low if nobody tests between missions",
+    ),
+    (
+        "The twin moves as the real arm does",
+        "exposures and loads are off",
+    ),
+    (
+        "ROS behaves as the stand-ins do",
+        "another order of steps than on the robot",
+    ),
+    (
+        "Masses, torques and payload are those of the robot's description",
+        "the load law is off; it has no effect unless the description states one",
+    ),
+    (
+        "What a user set by `:=` is right",
+        "the figure uses it without question",
+    ),
+)
+"""The assumptions of all figures in docs/safety.md with what follows if one is wrong, sorted as
+there, without links."""
+
+
+def assumptions(report: ReportInput, settings: Mapping[str, object]) -> str:
+    """Return the page as Markdown; `settings` are those of the run that are not the default."""
+    data = tuple(_of_data(report))
+    lines = (*report.assumptions, *report.assessment.assumptions, *data)
+    found = (*report.findings, *report.assessment.findings)
+    general = (f"{assumption}. If wrong: {effect}" for assumption, effect in GENERAL)
+    sections = (
+        ("Failure data without a source", _without_source(report)),
+        ("Findings", _listed(found) or "Nothing stood out."),
+        ("Values set by hand", _pins(report) or "None: every value is computed."),
+        ("Accepted reasons", _listed(accepted_reasons(report)) or "None."),
+        (
+            "Settings that are not the default",
+            _listed(f"`{name}`: {value}" for name, value in settings.items()) or "None.",
+        ),
+        (
+            "Assumptions of all figures",
+            '"Assumptions and limits" in the safety manual (`tracerisk docs safety`) says what to '
+            f"do about each.\n\n{_listed(general)}",
+        ),
+    )
+    warning = "".join(f"{paragraph}\n" for paragraph in warning_of(report))
+    return (
+        f"# Assumptions of {report.model.name}\n\n{warning}"
+        "The figures hold if these do, those of all figures at the end of this page, what was set "
+        f"by hand and what was accepted.\n\n{_listed(lines) or 'None beyond the model itself.'}\n\n"
+        + "\n\n".join(f"## {title}\n\n{text}" for title, text in sections)
+        + "\n"
+    )
+
+
+def _listed(lines: Iterable[str]) -> str:
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _of_data(report: ReportInput) -> Iterator[str]:
+    """Yield what the hardware description assumes of each component that counts."""
+    counted = component_shares(report.assessment)
+    for component in () if report.hardware is None else report.hardware.components:
+        if component.name in counted:
+            yield from (f"{component.name}: {words}" for words in _of_component(component))
+
+
+def _of_component(component: Component) -> Iterator[str]:
+    for figure in component.figures:
+        sheet = figure.sheet
+        if sheet is not None and sheet.dangerous is not None:
+            yield (
+                f"{100.0 * sheet.dangerous:.4g} % of its failures are dangerous, so that all are "
+                f"{1.0 / sheet.dangerous:.4g} times those of the data sheet"
+            )
+        at = None if sheet is None else sheet.temperature
+        if at is not None:
+            yield (
+                f"it works at {at.working:g} degC, where its rate is {at.factor:.4g} times that at "
+                f"{at.rated:g} degC, by Arrhenius' law with {at.activation_energy:g} eV"
+            )
+    beta = component.redundancy.common_cause
+    if beta:
+        yield f"{100.0 * beta:.4g} % of the failures of a unit have a cause that fails all units"
+    law = component.load_law
+    if law is not None:
+        yield (
+            f"{100.0 * law.wearing_share:.4g} % of its failures come from wear, and grow with load "
+            f"to the power of {law.exponent:.4g}"
+        )
+
+
+def _pins(report: ReportInput) -> str:
+    return _listed(
+        f"{pin.location}: {pin.field} := {pin.value}, "
+        f"computed {pin.computed or _nothing(pin, report)}; {pin.reason or 'no reason is given'}"
+        for pin in report.pins
+    )
+
+
+def _nothing(pin: Override, report: ReportInput) -> str:
+    """Return why nothing is computed beside a value set by hand, and what follows."""
+    if report.hardware is None:
+        return "nothing"
+    known = (component.name for component in report.hardware.components)
+    if any(f".{name}." in f"{pin.field}." for name in known):
+        return "nothing, as the run does not use it there (the pin alone keeps it)"
+    return "nothing, as the hardware description does not have it (the pin alone keeps it)"
+
+
+def _without_source(report: ReportInput) -> str:
+    """Return which failure data are assumed, or have no source at all, as a list."""
+    if report.figures is None or report.hardware is None:
+        return "Not known: the run is not in this dossier."
+    stated = [
+        (figure.component, figure.fussell_vesely, figure.source)
+        for figure in report.figures.assumed
+    ]
+    shares = component_shares(report.assessment)
+    stated += [
+        (name, shares[name], "no source is given")
+        for name in without_source(report.hardware)
+        if name in shares
+    ]
+    lines = (
+        f"- {name} ({share_text(share)} of the figure): {text}" for name, share, text in stated
+    )
+    return "\n".join(lines) or "None."
