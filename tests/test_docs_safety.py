@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.pipeline.dossier.anomalies import ANOMALIES
 from tracerisk.pipeline.dossier.assumptions import GENERAL
 from tracerisk.pipeline.dossier.sheet import STEPS
 
@@ -56,6 +57,11 @@ def test_a_dossier_has_the_assumptions_of_this_page():
     rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \| [^|]+ \|$", section, re.MULTILINE)[1:]
     plain = [tuple(re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", cell) for cell in row) for row in rows]
     assert plain == list(GENERAL)
+
+
+def test_a_dossier_has_the_known_anomalies_of_this_page():
+    rows = re.findall(r"^\| (K\d+) \| ([^|]+) \|", TEXT, re.MULTILINE)
+    assert rows == [(anomaly.number, anomaly.concerns) for anomaly in ANOMALIES]
 
 
 def test_every_test_that_it_names_exists():

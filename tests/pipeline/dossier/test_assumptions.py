@@ -1,17 +1,20 @@
 """All that must hold for a figure stands on one page of its dossier."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.config import Settings
 from tracerisk.errors import Location
 from tracerisk.pipeline.dossier.assumptions import GENERAL, assumptions
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html.report_input import ReportInput
+from tracerisk.trace import RunEnd, Trace
 
 HARDWARE = """\
 components:
@@ -39,7 +42,9 @@ def section(text, title):
 
 
 def test_the_assumptions_of_all_figures_close_it(report):
-    listed = section(assumptions(report, {}), "Assumptions of all figures").splitlines()[2:]
+    title = "Assumptions of all figures"
+    listed = assumptions(report, {}).partition(f"## {title}\n\n")[2].partition("\n\n## ")[0]
+    listed = listed.splitlines()[2:]
     assert len(listed) == len(GENERAL)
     for line, (assumption, effect) in zip(listed, GENERAL, strict=True):
         assert line == f"- {assumption}. If wrong: {effect}"
@@ -96,3 +101,59 @@ def test_a_pin_that_alone_keeps_its_component_is_named(described, field, words):
         f"- arm.py:3: {field} := 2e-09, computed nothing, as {words} (the pin alone keeps it); "
         "no reason is given"
     )
+
+
+def test_parts_that_only_the_shipped_description_has_are_named(described):
+    trace = Trace("arm.py", "panda", "empty", RunEnd("ended", "it returned", 1.0), (), (), ())
+    text = assumptions(replace(described, trace=trace), {})
+    assert "- what the hardware description does not list never fails, " in text
+    assert "; it lists joints: gear; always in use: unused\n" in text
+    assert (
+        "- always in use: the description that is shipped for panda has power_system, "
+        "control_system, and this one has unused\n"
+    ) in text
+    assert "- gripper: the description that is shipped for panda has gripper, and this" in text
+    assert described.hardware.file not in text  # another folder gives the same page
+    assert "- joints: " not in text
+    assert "is shipped for" not in assumptions(
+        replace(described, trace=trace, hardware=hardware_of("panda")), {}
+    )
+
+
+MIDDLE = """\
+while True:
+    reach()
+    if done():
+        break
+    place()
+"""
+ENDS = """\
+while True:
+    reach()
+    for part in parts:
+        break
+    if done():
+        break
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "met"),
+    [
+        (MIDDLE, "K1"),
+        (ENDS, ""),
+        ("import os\nos.path.exists('a')\n", "K2"),
+        ("from pathlib import Path\nPath('a').glob('*')\n", "K2"),
+        ("# os.path.exists('a')\nopen('a')\n", ""),
+        ("print 1\n", ""),
+    ],
+)
+def test_lines_that_may_meet_a_known_anomaly_are_named(report, source, met):
+    text = assumptions(report, {}, {"arm.py": source.encode(), "notes.yaml": b"{"})
+    lines = text.partition("## Known anomalies\n\n")[2].splitlines()[2:]
+    assert [line[2:4] for line in lines] == ["K1", "K2"]
+    for line in lines:
+        if line[2:4] == met:
+            assert re.search(r": look at arm\.py:[12]$", line)
+        else:
+            assert line.endswith(": no such line was found in `files/`")

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from tracerisk.common.hardware.shipped import bare_arm, hardware_of, is_shipped
 from tracerisk.common.hardware.sources import without_source
+from tracerisk.pipeline.dossier.anomalies import met_anomalies
 from tracerisk.pipeline.dossier.guide import accepted_reasons, warning_of
 from tracerisk.report.instances import component_shares
 from tracerisk.report.tables import share_text
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.override import Override
-    from tracerisk.common.hardware.model import Component
+    from tracerisk.common.hardware.model import Component, Hardware
     from tracerisk.report.html.report_input import ReportInput
 
 GENERAL = (
@@ -52,6 +55,10 @@ GENERAL = (
         "the load law is off; it has no effect unless the description states one",
     ),
     (
+        "The hardware description lists every part whose failure ends the mission",
+        "too low: a part that is not listed never fails",
+    ),
+    (
         "What a user set by `:=` is right",
         "the figure uses it without question",
     ),
@@ -60,9 +67,17 @@ GENERAL = (
 there, without links."""
 
 
-def assumptions(report: ReportInput, settings: Mapping[str, object]) -> str:
-    """Return the page as Markdown; `settings` are those of the run that are not the default."""
-    data = tuple(_of_data(report))
+def assumptions(
+    report: ReportInput,
+    settings: Mapping[str, object],
+    sources: Mapping[str, bytes] = MappingProxyType({}),
+) -> str:
+    """Return the page as Markdown.
+
+    `settings` are those of the run that are not the default, `sources` the files of the dossier
+    with the controller's code.
+    """
+    data = (*_parts(report), *_of_data(report))
     lines = (*report.assumptions, *report.assessment.assumptions, *data)
     found = (*report.findings, *report.assessment.findings)
     general = (f"{assumption}. If wrong: {effect}" for assumption, effect in GENERAL)
@@ -80,6 +95,11 @@ def assumptions(report: ReportInput, settings: Mapping[str, object]) -> str:
             '"Assumptions and limits" in the safety manual (`tracerisk docs safety`) says what to '
             f"do about each.\n\n{_listed(general)}",
         ),
+        (
+            "Known anomalies",
+            '"Known anomalies" in the safety manual says what is wrong and what to do.\n\n'
+            f"{_listed(met_anomalies(sources))}",
+        ),
     )
     warning = "".join(f"{paragraph}\n" for paragraph in warning_of(report))
     return (
@@ -93,6 +113,48 @@ def assumptions(report: ReportInput, settings: Mapping[str, object]) -> str:
 
 def _listed(lines: Iterable[str]) -> str:
     return "\n".join(f"- {line}" for line in lines)
+
+
+def _parts(report: ReportInput) -> Iterator[str]:
+    """Yield which parts of the robot can fail, and where the shipped description has more."""
+    hardware, trace = report.hardware, report.trace
+    if hardware is None or trace is None:
+        return
+    own = _by_place(hardware)
+    listed = "; ".join(f"{place}: {', '.join(names)}" for place, names in own.items())
+    yield (
+        "what the hardware description does not list never fails, neither gears nor brakes, cables "
+        f"or controllers; it lists {listed}"
+    )
+    if not is_shipped(trace.robot):
+        return
+    shipped = hardware_of(trace.robot)
+    for place, names in _by_place(shipped).items():
+        here = own.get(place, [])
+        if len(here) < len(names):
+            yield (
+                f"{place}: the description that is shipped for {bare_arm(trace.robot)} has "
+                f"{', '.join(names)}, and this one has {', '.join(here) or 'nothing'}"
+            )
+
+
+def _by_place(hardware: Hardware) -> dict[str, list[str]]:
+    """Return the names of components by the place where they are in use."""
+    places: dict[str, list[str]] = {}
+    for component in hardware.components:
+        places.setdefault(_place(component), []).append(component.name)
+    return places
+
+
+def _place(component: Component) -> str:
+    twin = component.twin
+    if component.always_active or twin is None:
+        return "always in use"
+    if twin.sensors:
+        return f"{twin.sensors} sensors" if isinstance(twin.sensors, str) else "sensors"
+    if twin.contacts:
+        return "contacts"
+    return "gripper" if twin.gripper and not twin.joints else "joints"
 
 
 def _of_data(report: ReportInput) -> Iterator[str]:

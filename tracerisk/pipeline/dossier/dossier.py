@@ -69,16 +69,23 @@ def dossier(
     if not isinstance(derivations, str):
         _check_follow(derivations, settings.tolerance)
     calculation = hand_calculation(report.model, report.assessment, mission, derivations)
+    files = _files(report, root)
+    sources = {
+        file.path: files[packed_name(file.path)]
+        for file in report.record.files
+        if file.role == "source"
+    }
+    held = assumptions(report, _other_than_default(settings, root), sources)
     contents: dict[str, bytes] = {
         REPORT: page.encode(),
         RECORD: _json({**report_record(report), "environment": asdict(here)}),
         CONSTRAINTS: here.constraints.encode(),
         CALCULATION: _text(calculation),
         SHEET: _text(sheet(report)),
-        ASSUMPTIONS: _text(assumptions(report, _other_than_default(settings, root))),
+        ASSUMPTIONS: _text(held),
         MODEL: model_json.dumps(report.model).encode(),
         **_open_psa(report, mission),
-        **_files(report, root),
+        **files,
     }
     if report.trace is not None:
         contents[TRACE] = trace_json.dumps(report.trace).encode()

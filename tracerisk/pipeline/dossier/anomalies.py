@@ -1,0 +1,90 @@
+"""Which known anomalies of docs/safety.md a figure's sources may meet, by their lines."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
+
+
+class Anomaly(NamedTuple):
+    """An error or omission that is known and not yet mended."""
+
+    number: str
+    """Its number in the safety manual, such as `K1`."""
+    concerns: str
+    """Whom it concerns: you, if..."""
+    is_met: Callable[[ast.AST], bool]
+    """Whether a node of a source's syntax tree is what meets it."""
+
+
+_LOOKED_UP = frozenset(
+    (
+        *("exists", "isfile", "isdir", "is_file", "is_dir"),
+        *("listdir", "scandir", "iterdir", "glob", "iglob", "rglob"),
+        *("imread", "Popen", "check_output", "check_call"),
+    )
+)
+"""The functions that learn of files without opening them in Python."""
+
+
+def _looks_up(node: ast.AST) -> bool:
+    if not isinstance(node, ast.Call):
+        return False
+    called = node.func
+    name = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
+    return name in _LOOKED_UP
+
+
+def _is_left_in_its_middle(node: ast.AST) -> bool:
+    if not isinstance(node, ast.While) or not isinstance(node.test, ast.Constant):
+        return False
+    return any(map(_breaks, node.body[1:-1]))
+
+
+def _breaks(node: ast.AST) -> bool:
+    """Return whether a statement can leave the loop around it."""
+    if isinstance(node, (ast.For, ast.AsyncFor, ast.While, ast.FunctionDef, ast.ClassDef)):
+        return False
+    return isinstance(node, ast.Break) or any(map(_breaks, ast.iter_child_nodes(node)))
+
+
+ANOMALIES = (
+    Anomaly(
+        "K1",
+        "a `while True` of your controller has a `break` before its last statement",
+        _is_left_in_its_middle,
+    ),
+    Anomaly(
+        "K2",
+        "your controller asks whether files exist, lists folders, starts programs, or reads files "
+        "by a compiled library or outside of the workspace",
+        _looks_up,
+    ),
+)
+"""The known anomalies, sorted by number, with the words of docs/safety.md."""
+
+
+def met_anomalies(sources: Mapping[str, bytes]) -> Iterator[str]:
+    """Yield for each anomaly whom it concerns, and the lines of the sources that may meet it.
+
+    `sources` are Python files by name; what does not parse has no lines.
+    """
+    trees = {name: _parsed(data) for name, data in sources.items() if name.endswith(".py")}
+    for anomaly in ANOMALIES:
+        places = [
+            f"{name}:{line}"
+            for name, tree in sorted(trees.items())
+            for line in sorted(
+                {getattr(node, "lineno", 0) for node in ast.walk(tree) if anomaly.is_met(node)}
+            )
+        ]
+        at = f"look at {', '.join(places)}" if places else "no such line was found in `files/`"
+        yield f"{anomaly.number} concerns you if {anomaly.concerns}: {at}"
+
+
+def _parsed(data: bytes) -> ast.Module:
+    try:
+        return ast.parse(data)
+    except (SyntaxError, ValueError, RecursionError):
+        return ast.Module([], [])
