@@ -72,7 +72,7 @@ def test_a_run_that_went_wrong_keeps_its_warning_where_words_accept_it(report):
 def test_what_a_check_does_not_let_pass_stands_first(report):
     shown = replace(report(), unpassed=("unjustified: pick.gripper.probability has no reason",))
     assert warning_of(shown) == [
-        "**`tracerisk check` does not let this project pass**:\n",
+        "**`tracerisk check FILE` does not pass here** (step 1 of `sheet.md`):\n",
         "- unjustified: pick.gripper.probability has no reason\n",
     ]
 

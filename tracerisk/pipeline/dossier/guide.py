@@ -174,7 +174,7 @@ def warning_of(report: ReportInput) -> list[str]:
         ]
     if report.unpassed:
         parts += [
-            "**`tracerisk check` does not let this project pass**:\n",
+            "**`tracerisk check FILE` does not pass here** (step 1 of `sheet.md`):\n",
             "".join(f"- {line}\n" for line in report.unpassed),
         ]
     return parts
