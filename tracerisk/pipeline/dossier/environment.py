@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution, version
+from typing import Any
 
 from tracerisk.common.dependencies import MODULES
 
@@ -22,6 +24,10 @@ class Environment:
     """Kind of processor, such as `x86_64`."""
     packages: Mapping[str, str]
     """Version of each installed package that tracerisk uses, by its name, sorted."""
+
+    installed_from: str = ""
+    """What tracerisk was installed from: the commit of git, or the digest of its archive; "" where
+    pip did not note it, as of a package index."""
 
     @property
     def constraints(self) -> str:
@@ -47,4 +53,25 @@ def environment() -> Environment:
             packages[name] = version(name)
         except PackageNotFoundError:
             continue
-    return Environment(platform.python_version(), platform.system(), platform.machine(), packages)
+    return Environment(
+        *(platform.python_version(), platform.system(), platform.machine(), packages),
+        installed_from=_installed_from(),
+    )
+
+
+def _installed_from() -> str:
+    """Return what pip noted of the origin of tracerisk: PEP 610, `direct_url.json`."""
+    try:
+        text = distribution("tracerisk").read_text("direct_url.json")
+    except PackageNotFoundError:
+        return ""
+    return origin_words(json.loads(text or "{}"))
+
+
+def origin_words(noted: Mapping[str, Any]) -> str:
+    """Return the commit or the digest in a `direct_url.json`; no place of this machine."""
+    commit = noted.get("vcs_info", {}).get("commit_id")
+    if commit:
+        return f"commit {commit}"
+    hashes = noted.get("archive_info", {}).get("hashes", {})
+    return ", ".join(f"archive with {name} {digest}" for name, digest in sorted(hashes.items()))

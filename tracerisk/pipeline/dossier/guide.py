@@ -230,7 +230,8 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
         listed = ", ".join(named)
         what = "the first digits of the SHA-256 digest of NAME=VALUE, without a line end"
         yield "environment variables", f"{listed}: {what}"
-    yield "tracerisk", report.record.version
+    origin = environment.installed_from
+    yield "tracerisk", report.record.version + (f", installed from {origin}" if origin else "")
     yield "made with", environment.words
     yield "commit", _commit(report.record)
 
