@@ -446,6 +446,21 @@ def test_the_commands_make_the_same_archive_from_the_files_in_it(
     assert elsewhere.read("dossier.zip") == data
 
 
+def test_a_figure_of_another_mission_than_the_run_has_no_rate_per_hour(
+    with_own_hardware, example_in, tmp_path
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    source = example.read("controller.py").decode()
+    (line, indent) = re.search(r"(( *# \|   )next = done 1\n)", source).groups()
+    often = f"{indent}next := act 9/10  ! ten rounds\n{indent}next := done 1/10\n"
+    example.write("controller.py", source.replace(line, often))
+    outcome = example.run("report", "controller.py", "--dossier", "out.zip")
+    assert outcome.code == 0, outcome.err
+    text = (unzipped(example.folder / "out.zip", tmp_path / "unpacked") / "README.md").read_text()
+    assert "| mean rate | none: the figure is of a mission that visits " in text
+    assert "per hour = -ln" not in text
+
+
 def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, example_in, tmp_path):
     example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
     example.write("cell.yaml", HARDWARE.replace("minute}", "minute, error_factor: 3}"))

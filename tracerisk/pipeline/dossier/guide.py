@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from tracerisk.adder.quantify.component_activity import mission_duration_s
+from tracerisk.adder.quantify.component_activity import mission_duration_s, visits_by_function
 from tracerisk.common.verdict import BAD, VERDICTS, VerdictKind
 from tracerisk.pipeline.freshness.run_inputs import UNSET
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
@@ -208,7 +208,10 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
         yield "duration of the mission T", f"{number(duration_s)} s{', ' * bool(outside)}{outside}"
         # What no visit shows would only make the rate smaller.
         duration_s -= outside_visits_s(report)
-        if risk < 1.0:
+        other = other_visits(report)
+        if other:
+            yield "mean rate", f"none: {other}, so T is not the duration of the figure's mission"
+        elif risk < 1.0:
             rate = -math.log1p(-risk) / (duration_s / 3600.0)
             visited = f" with the {number(duration_s)} s of the visits as T" if outside else ""
             text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600){visited}; {_TO_AN_HOUR}"
@@ -257,6 +260,28 @@ def _outside_words(report: ReportInput) -> str:
         f"**on trust** for {number(rest_s)} s of it: so much longer is the run than all visits in "
         "`tracerisk.lock` together"
     )
+
+
+def other_visits(report: ReportInput) -> str:
+    """Return a function that the figure's mission visits more or less often than the run, in words.
+
+    `next` set by hand makes another mission of the same run. A failure may cut a
+    mission short, so as much is no difference.
+    """
+    if report.trace is None:
+        return ""
+    counts = {
+        str(ref.name): visits.total for ref, visits in visits_by_function(report.trace).items()
+    }
+    most = _UNSEEN + report.assessment.mission.failure_probability
+    for function in report.assessment.states:
+        run, expected = counts.get(function.name), function.expected_visits
+        if run is not None and abs(expected - run) > most * run:
+            return (
+                f"the figure is of a mission that visits {function.name} {number(expected)} times, "
+                f"and the run visited it {counted(run, 'time')}"
+            )
+    return ""
 
 
 def by_hand_words(report: ReportInput) -> str:
