@@ -93,6 +93,7 @@ def test_no_file_of_a_checkout_is_read_past_the_bounds():
 
 
 READERS_OF_OURS = {
+    "pipeline/dossier/environment.py",
     *("cli/set_up/docs.py", "common/hardware/shipped.py", "report/html/page.py"),
     *("common/hardware/sysml/language/parsing.py", "pipeline/start/ci_files.py"),
     *("pipeline/start/schemas.py", "prm/formats/json_parts.py", "ros/messages/interface_texts.py"),

@@ -190,11 +190,11 @@ def test_answers_that_a_run_assumes_are_drafted(tmp_path):
 
 
 def test_a_search_ends_with_its_wall_time(tmp_path, monkeypatch):
-    monkeypatch.setattr(rounds, "_MOST_WALLS", 0.1)
+    monkeypatch.setattr(rounds, "_MOST_WALLS", 0.02)
     waits = HEAD + "n = 0\nwhile not rospy.is_shutdown():\n    n += 1\n"
     (tmp_path / "c.py").write_text(waits)
     found = draft_scenario(load_controller(tmp_path / "c.py"), Settings(), None)
-    assert found.cut == "the search was ended after 6 s of wall time"
+    assert found.cut == "the search was ended after 1.2 s of wall time"
     assert found.text
 
 

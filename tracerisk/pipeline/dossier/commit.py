@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from tracerisk.common.record import Commit, FileState
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import InputError
 from tracerisk.pipeline.history.repository import SYMLINK, Repository
 
@@ -117,7 +118,11 @@ def _changed(tree: _Tree) -> Iterator[str]:
     ):
         path = tree.top / name
         if (flag.islower() or flag == "S") and path.is_file():
-            state, place = tree.compared(path, path.read_bytes())
+            try:
+                state, place = tree.compared(path, file_bytes(path))
+            except OSError:
+                yield name  # what cannot be read cannot be compared
+                continue
             if state == "changed since":
                 yield place
 
