@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import collections
 from collections.abc import Callable, Mapping
-from copy import deepcopy
-from typing import Any
 
 import baxter_dataflow
 import rospy
@@ -14,6 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.readings.limb_readings import LimbReadings
 
 from . import settings
 
@@ -25,22 +23,14 @@ _KEPT = 0.98751  # of the position before, in each step of the filter; the rest 
 _ADDED = 0.012488
 
 
-class Limb:
+class Limb(LimbReadings):
     """Commands the joints of an arm, `left` or `right`, and reports where they are."""
 
-    Point = collections.namedtuple("Point", ["x", "y", "z"])
-    Quaternion = collections.namedtuple("Quaternion", ["x", "y", "z", "w"])
-
     def __init__(self, limb: str) -> None:
-        self.name = limb
+        super().__init__(limb)
         self._joint_names = {
             side: [f"{side}_{joint}" for joint in _JOINTS] for side in ("left", "right")
         }
-        self._joint_angle: dict[str, float] = {}
-        self._joint_velocity: dict[str, float] = {}
-        self._joint_effort: dict[str, float] = {}
-        self._cartesian_pose: dict[str, Any] = {}
-        self._cartesian_velocity: dict[str, Any] = {}
         space = f"/robot/limb/{limb}/"
         self._command_msg = JointCommand()
         self._pub_speed_ratio = rospy.Publisher(
@@ -63,68 +53,9 @@ class Limb:
             timeout_msg=f"{text} endpoint_state from {space}endpoint_state",
         )
 
-    def _on_joint_states(self, msg: Any) -> None:
-        for index, name in enumerate(msg.name):
-            if name in self._joint_names[self.name]:
-                self._joint_angle[name] = msg.position[index]
-                self._joint_velocity[name] = msg.velocity[index]
-                self._joint_effort[name] = msg.effort[index]
-
-    def _on_endpoint_states(self, msg: Any) -> None:
-        place, turn = msg.pose.position, msg.pose.orientation
-        self._cartesian_pose = {
-            "position": self.Point(place.x, place.y, place.z),
-            "orientation": self.Quaternion(turn.x, turn.y, turn.z, turn.w),
-        }
-        linear, angular = msg.twist.linear, msg.twist.angular
-        self._cartesian_velocity = {
-            "linear": self.Point(linear.x, linear.y, linear.z),
-            "angular": self.Point(angular.x, angular.y, angular.z),
-        }
-
     def joint_names(self) -> list[str]:
         """Return the joints, from the shoulder to the wrist."""
         return self._joint_names[self.name]
-
-    def joint_angle(self, joint: str) -> float:
-        """Return the angle of a joint [rad]."""
-        return self._joint_angle[joint]
-
-    def joint_angles(self) -> dict[str, float]:
-        """Return the angles of all joints [rad]."""
-        return deepcopy(self._joint_angle)
-
-    def joint_velocity(self, joint: str) -> float:
-        """Return the velocity of a joint [rad/s]."""
-        return self._joint_velocity[joint]
-
-    def joint_velocities(self) -> dict[str, float]:
-        """Return the velocities of all joints [rad/s]."""
-        return deepcopy(self._joint_velocity)
-
-    def joint_effort(self, joint: str) -> float:
-        """Return the effort of a joint [N m]."""
-        return self._joint_effort[joint]
-
-    def joint_efforts(self) -> dict[str, float]:
-        """Return the efforts of all joints [N m]."""
-        return deepcopy(self._joint_effort)
-
-    def endpoint_pose(self) -> dict[str, Any]:
-        """Return where the end point is: `position` [m] and `orientation`."""
-        return deepcopy(self._cartesian_pose)
-
-    def endpoint_velocity(self) -> dict[str, Any]:
-        """Return the end point's velocity: `linear` [m/s] and `angular`."""
-        return deepcopy(self._cartesian_velocity)
-
-    def endpoint_effort(self) -> dict[str, Any]:
-        """Return the wrench at the end point.
-
-        Raises:
-            NotImplementedError: always; the twin estimates none.
-        """
-        raise NotImplementedError("Limb.endpoint_effort: the twin estimates no endpoint wrench")
 
     def set_command_timeout(self, timeout: float) -> None:
         """Set how long a velocity lasts without another [s]."""
@@ -182,11 +113,7 @@ class Limb:
             self.set_joint_positions(command)
 
         def is_there() -> bool:
-            return (callable(test) and bool(test())) or all(
-                abs(goal - self._joint_angle[joint]) < threshold
-                for joint, goal in positions.items()
-                if joint in self._joint_angle
-            )
+            return (callable(test) and bool(test())) or self._is_at(positions, threshold)
 
         if is_there():
             # Where the arm begins is assumed. A real one has to go there, which takes longer than

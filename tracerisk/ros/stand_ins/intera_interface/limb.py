@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import collections
 from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
 from typing import Any
 
 import intera_dataflow
@@ -26,6 +24,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Header
 
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.readings.limb_readings import LimbReadings
 
 from . import settings
 from .robot_params import RobotParams
@@ -33,19 +32,11 @@ from .robot_params import RobotParams
 __all__ = ["Limb"]
 
 
-class Limb:
+class Limb(LimbReadings):
     """Commands the joints of the arm, and reports where they are."""
 
-    Point = collections.namedtuple("Point", ["x", "y", "z"])
-    Quaternion = collections.namedtuple("Quaternion", ["x", "y", "z", "w"])
-
     def __init__(self, limb: str = "right", synchronous_pub: bool = False) -> None:
-        self.name = limb
-        self._joint_angle: dict[str, float] = {}
-        self._joint_velocity: dict[str, float] = {}
-        self._joint_effort: dict[str, float] = {}
-        self._cartesian_pose: dict[str, Any] = {}
-        self._cartesian_velocity: dict[str, Any] = {}
+        super().__init__(limb)
         self._tip_states: Any = None
         self._collision_state = False
         limbs = RobotParams().get_limb_names()
@@ -85,36 +76,11 @@ class Limb:
             name = topic.rsplit("/", 1)[-1]
             intera_dataflow.wait_for(known, timeout=5.0, timeout_msg=f"{text} {name} from {topic}")
 
-    def _on_joint_states(self, msg: Any) -> None:
-        for index, name in enumerate(msg.name):
-            if name in self._joint_names:
-                self._joint_angle[name] = msg.position[index]
-                self._joint_velocity[name] = msg.velocity[index]
-                self._joint_effort[name] = msg.effort[index]
-
-    def _on_endpoint_states(self, msg: Any) -> None:
-        self._cartesian_pose = self._pose_of(msg)
-        self._cartesian_velocity = self._velocity_of(msg)
-
     def _on_tip_states(self, msg: Any) -> None:
         self._tip_states = msg
 
     def _on_collision_state(self, msg: Any) -> None:
         self._collision_state = msg.collision_state
-
-    def _pose_of(self, msg: Any) -> dict[str, Any]:
-        place, turn = msg.pose.position, msg.pose.orientation
-        return {
-            "position": self.Point(place.x, place.y, place.z),
-            "orientation": self.Quaternion(turn.x, turn.y, turn.z, turn.w),
-        }
-
-    def _velocity_of(self, msg: Any) -> dict[str, Any]:
-        linear, angular = msg.twist.linear, msg.twist.angular
-        return {
-            "linear": self.Point(linear.x, linear.y, linear.z),
-            "angular": self.Point(angular.x, angular.y, angular.z),
-        }
 
     # Where it is
 
@@ -122,49 +88,9 @@ class Limb:
         """Return the joints, from the base to the wrist."""
         return self._joint_names
 
-    def joint_angle(self, joint: str) -> float:
-        """Return the angle of a joint [rad]."""
-        return self._joint_angle[joint]
-
-    def joint_angles(self) -> dict[str, float]:
-        """Return the angles of all joints [rad]."""
-        return deepcopy(self._joint_angle)
-
     def joint_ordered_angles(self) -> list[float]:
         """Return the angles of all joints, in their order [rad]."""
         return [self._joint_angle[name] for name in self._joint_names]
-
-    def joint_velocity(self, joint: str) -> float:
-        """Return the velocity of a joint [rad/s]."""
-        return self._joint_velocity[joint]
-
-    def joint_velocities(self) -> dict[str, float]:
-        """Return the velocities of all joints [rad/s]."""
-        return deepcopy(self._joint_velocity)
-
-    def joint_effort(self, joint: str) -> float:
-        """Return the effort of a joint [N m]."""
-        return self._joint_effort[joint]
-
-    def joint_efforts(self) -> dict[str, float]:
-        """Return the efforts of all joints [N m]."""
-        return deepcopy(self._joint_effort)
-
-    def endpoint_pose(self) -> dict[str, Any]:
-        """Return where the end point is: `position` [m] and `orientation`."""
-        return deepcopy(self._cartesian_pose)
-
-    def endpoint_velocity(self) -> dict[str, Any]:
-        """Return the end point's velocity: `linear` [m/s] and `angular`."""
-        return deepcopy(self._cartesian_velocity)
-
-    def endpoint_effort(self) -> dict[str, Any]:
-        """Return the wrench at the end point.
-
-        Raises:
-            NotImplementedError: always; the twin estimates none.
-        """
-        raise NotImplementedError("Limb.endpoint_effort: the twin estimates no endpoint wrench")
 
     def tip_states(self) -> Any:
         """Return the last EndpointStates."""
@@ -256,16 +182,9 @@ class Limb:
             if self._collision_state:
                 rospy.logerr(f"{self.name.capitalize()} limb: collision detected")
                 return True
-            return (callable(test) and bool(test())) or is_there()
+            return (callable(test) and bool(test())) or self._is_at(positions, threshold)
 
-        def is_there() -> bool:
-            return all(
-                abs(goal - self._joint_angle[joint]) < threshold
-                for joint, goal in positions.items()
-                if joint in self._joint_angle
-            )
-
-        if is_there():
+        if self._is_at(positions, threshold):
             # Where the arm begins is assumed. A real one has to go there, which takes longer than
             # to connect what the limb has made.
             current().graph.carrier.pass_connections()
