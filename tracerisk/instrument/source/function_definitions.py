@@ -52,6 +52,20 @@ def first_line(statement: ast.stmt) -> int:
 
 def definitions(tree: ast.Module) -> Iterator[Definition]:
     """Yield every function definition of the module in the order of the source."""
+    for name, node in functions_of(tree):
+        yield Definition(
+            name,
+            node.lineno,
+            first_line(node.body[0]),
+            first_line(node),
+            node.end_lineno or node.lineno,
+        )
+
+
+def functions_of(
+    tree: ast.Module,
+) -> Iterator[tuple[QualifiedName, ast.FunctionDef | ast.AsyncFunctionDef]]:
+    """Yield every function of the module by its qualified name, in the order of the source."""
     # Most children cannot hold a statement, so they are skipped.
     stack: list[tuple[ast.AST, str]] = [(tree, "")]
     while stack:
@@ -59,13 +73,7 @@ def definitions(tree: ast.Module) -> Iterator[Definition]:
         inner = prefix
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             name = f"{prefix}{node.name}"
-            yield Definition(
-                QualifiedName(name),
-                node.lineno,
-                first_line(node.body[0]),
-                first_line(node),
-                node.end_lineno or node.lineno,
-            )
+            yield QualifiedName(name), node
             inner = f"{name}.<locals>."
         elif isinstance(node, ast.ClassDef):
             inner = f"{prefix}{node.name}."

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.function_definitions import MODULE
 
 _CLIENTS = frozenset({"create_client", "ServiceProxy", "ActionClient", "SimpleActionClient"})
 _WAITS = frozenset(
@@ -140,7 +141,7 @@ class Flow:
         match target:
             case ast.Name(id=name):
                 self._names[name] = self._names.get(name, set()) | values
-                if self._function.name == "<module>":
+                if self._function.name == MODULE:
                     self._keep(name, values)
             case ast.Attribute():
                 self._keep(dotted_name(target), values)

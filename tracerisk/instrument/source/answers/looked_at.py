@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from tracerisk.instrument.source.answers.flow import Answer, Flow, OwnFunction
+from tracerisk.instrument.source.function_definitions import MODULE, functions_of
 from tracerisk.instrument.source.python_source import parsed
 
 _ROUNDS = 4
@@ -75,20 +76,8 @@ def _functions(file: str, tree: ast.Module) -> Iterator[OwnFunction]:
         for alias in node.names
     }
     body = [node for node in tree.body if not isinstance(node, ast.FunctionDef | ast.ClassDef)]
-    yield OwnFunction("<module>", file, body, (), imported)
-    yield from _below(file, tree, "", imported)
-
-
-def _below(
-    file: str, parent: ast.AST, prefix: str, imported: Mapping[str, str]
-) -> Iterator[OwnFunction]:
-    for node in ast.iter_child_nodes(parent):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            taken = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
-            names = tuple(argument.arg for argument in taken)
-            yield OwnFunction(prefix + node.name, file, node.body, names, imported)
-            yield from _below(file, node, f"{prefix}{node.name}.<locals>.", imported)
-        elif isinstance(node, ast.ClassDef):
-            yield from _below(file, node, f"{prefix}{node.name}.", imported)
-        else:
-            yield from _below(file, node, prefix, imported)
+    yield OwnFunction(MODULE, file, body, (), imported)
+    for name, node in functions_of(tree):
+        taken = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+        names = tuple(argument.arg for argument in taken)
+        yield OwnFunction(name, file, node.body, names, imported)
