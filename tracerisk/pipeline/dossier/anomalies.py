@@ -6,6 +6,9 @@ import ast
 from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import parsed
+
 
 class Anomaly(NamedTuple):
     """An error or omission that is known and not yet mended."""
@@ -29,11 +32,7 @@ _LOOKED_UP = frozenset(
 
 
 def _looks_up(node: ast.AST) -> bool:
-    if not isinstance(node, ast.Call):
-        return False
-    called = node.func
-    name = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
-    return name in _LOOKED_UP
+    return isinstance(node, ast.Call) and last_name(node.func) in _LOOKED_UP
 
 
 def _is_left_in_its_middle(node: ast.AST) -> bool:
@@ -70,21 +69,15 @@ def met_anomalies(sources: Mapping[str, bytes]) -> Iterator[str]:
 
     `sources` are Python files by name; what does not parse has no lines.
     """
-    trees = {name: _parsed(data) for name, data in sources.items() if name.endswith(".py")}
+    trees = {name: parsed(data) for name, data in sources.items() if name.endswith(".py")}
     for anomaly in ANOMALIES:
         places = [
             f"{name}:{line}"
             for name, tree in sorted(trees.items())
+            if tree is not None
             for line in sorted(
                 {getattr(node, "lineno", 0) for node in ast.walk(tree) if anomaly.is_met(node)}
             )
         ]
         at = f"look at {', '.join(places)}" if places else "no such line was found in `files/`"
         yield f"{anomaly.number} concerns you if {anomaly.concerns}: {at}"
-
-
-def _parsed(data: bytes) -> ast.Module:
-    try:
-        return ast.parse(data)
-    except (SyntaxError, ValueError, RecursionError):
-        return ast.Module([], [])
