@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -135,9 +136,9 @@ class _Walk:
         """Return the nearest commits of the controller from some of the repository backwards."""
         found: dict[str, None] = {}
         seen: set[str] = set()
-        left = list(ahead)
+        left = deque(ahead)
         while left:
-            here = left.pop(0)
+            here = left.popleft()
             if here in seen:
                 continue
             seen.add(here)

@@ -100,9 +100,11 @@ def _moved_on(
     """Yield what the branch that is merged into has for a controller and its merge base has not."""
     locks = Locks(tip, shown.name)
     for controller in controllers:
+        if not controller.is_changed:
+            continue
         base, now = controller.before, version_of(locks, controller.was or controller.name)
         is_same = base.sources == now.sources and base.entry == now.entry
-        if not controller.is_changed or not now.sources or is_same:
+        if not now.sources or is_same:
             continue
         name = shown.name(controller.name)
         model, _ = _built(shown.version(now), name, _VersionName.of(tip))
