@@ -40,11 +40,12 @@ _REMEDIES = {
     "input-assumed": _SCENARIO,
     "robot-assumed": "`{run} --robot NAME`",
 }
+"""What to do about the reasons of a verdict, by code; about all others `_MEND`."""
 _REMEDIES_OF_COMPILED = {
     "input-assumed": "give what a user types by --answer TEXT, or mend it, then `{run}`",
     "robot-assumed": "`tracerisk run {file} --robot NAME --live -- COMMAND`",
 }
-"""What to do about the reasons of a verdict, by code; about all others `_MEND`."""
+"""The same for compiled nodes, for which no scenario is drafted."""
 
 
 class CoverageLimits(NamedTuple):

@@ -42,17 +42,17 @@ def asked_newly(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str
 def _instead(
     condition: Condition, old: Sequence[Condition], new: Sequence[Condition]
 ) -> list[Condition]:
-    """Return what is asked now, and was not, of the same thing in the same respect."""
+    """Return the new conditions that judge the same thing by the same measure."""
     return [
         later
         for later in _not_implied(new, [one for one in old if one != condition])
         if (later.kind, later.name) == (condition.kind, condition.name)
-        and (_respects(later) & _respects(condition) or not _respects(condition))
+        and (_measures(later) & _measures(condition) or not _measures(condition))
     ]
 
 
-def _respects(condition: Condition) -> set[str]:
-    """Return in which respects an object or a link is judged; none for all other conditions."""
+def _measures(condition: Condition) -> set[str]:
+    """Return by which measures an object or a link is judged; none for all other conditions."""
     if condition.kind not in ("object", "link"):
         return set()
     if condition.is_at_goal:
