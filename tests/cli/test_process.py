@@ -122,6 +122,10 @@ def test_an_import_that_a_signal_breaks_is_an_interruption(end, raised, monkeypa
             raise raised from error
 
     monkeypatch.setattr("tracerisk.cli.set_up.robots.run", verb)
+    _check_interrupted(end, capsys)
+
+
+def _check_interrupted(end, capsys):
     if isinstance(end, KeyboardInterrupt):
         assert main(["robots"]) == 130
         assert capsys.readouterr().err == "tracerisk: interrupted\n"
@@ -142,13 +146,7 @@ def test_one_that_comes_while_a_verb_is_imported_is_an_interruption(end, monkeyp
             raise RuntimeError("Error calling __set_name__") from error
 
     monkeypatch.setattr("tracerisk.cli.parser.parse", parse)
-    if isinstance(end, KeyboardInterrupt):
-        assert main(["robots"]) == 130
-        assert capsys.readouterr().err == "tracerisk: interrupted\n"
-    else:
-        with pytest.raises(SystemExit) as ended:
-            main(["robots"])
-        assert ended.value.code == 143
+    _check_interrupted(end, capsys)
 
 
 # A signal in the callback of a weak reference, as each import has one: Python drops what it raises.
