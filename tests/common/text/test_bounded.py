@@ -92,6 +92,18 @@ def test_no_file_of_a_checkout_is_read_past_the_bounds():
     assert found == READERS_OF_OURS
 
 
+def test_a_ctrl_c_as_a_file_is_opened_is_no_failed_close(tmp_path, monkeypatch):
+    (tmp_path / "a.py").write_bytes(b"x")
+
+    def interrupted(descriptor, _):
+        os.close(descriptor)  # the stream that was made goes, and closes it
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "fdopen", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        file_bytes(tmp_path / "a.py")
+
+
 READERS_OF_OURS = {
     "pipeline/dossier/environment.py",
     *("cli/set_up/docs.py", "common/hardware/shipped.py", "report/html/page.py"),

@@ -150,10 +150,11 @@ def regular_file(path: str | os.PathLike[str], *, through_links: bool = True) ->
             kind = "pipe" if stat.S_ISFIFO(mode) else "device"
             words = f"it is a {kind}; put a regular file there"
             raise NoFileError(errno.EINVAL, words, path)
-        return os.fdopen(descriptor, "rb")
     except BaseException:
         os.close(descriptor)
         raise
+    # From here on the stream closes it: a Ctrl-C in between must not become a failed second close.
+    return os.fdopen(descriptor, "rb")
 
 
 def named_file(path: str) -> BinaryIO:
