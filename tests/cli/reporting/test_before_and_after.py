@@ -90,7 +90,8 @@ def test_both_runs_are_on_the_page_with_what_differs_and_the_changed_lines(chang
     line = document.get_element_by_id(link.removeprefix("#"))
     assert "joints[0] += 0.25" in line.text_content()
     gone, come = (
-        ["".join(each.itertext()) for each in both.xpath(f".//{tag}")] for tag in ("del", "ins")
+        ["".join(each.itertext()) for each in document.xpath(f"//section[@id='difference']//{tag}")]
+        for tag in ("del", "ins")
     )
     assert gone == ["-     joints[0] += 0.05"]
     assert come == ["+     joints[0] += 0.25", "+     act(arm)"]
@@ -110,11 +111,65 @@ def test_a_page_made_at_the_end_of_the_run_shows_both_too(changed):
     assert at_end.text_content().count("rest 1 of") == later.text_content().count("rest 1 of")
 
 
+def test_versions_have_the_names_that_were_given(changed):
+    words = ("controller.py", "--against", "HEAD...HEAD", "-o", "out.html", "-q")
+    assert main(["report", *words]) == 0
+    assert "After: working tree." in page(changed).get_element_by_id("difference").text_content()
+    git(changed.folder, "checkout", "-q", "-b", "change")
+    git(changed.folder, "commit", "-q", "-a", "-m", "two")
+    main_branch = git(changed.folder, "branch", "--list", "ma*").strip()
+    words = ("controller.py", "--against", f"{main_branch}...HEAD", "-o", "out.html", "-q")
+    assert main(["report", *words]) == 0
+    document = page(changed)
+    text = " ".join(document.get_element_by_id("difference").text_content().split())
+    assert f"Before: {main_branch} (merge base). After: HEAD." in text
+    versions = [each.text for each in document.xpath("//*[@class='side-version']")]
+    assert versions == [f"{main_branch} (merge base)", "HEAD"]
+    assert re.search(r"before: joints\[0\] \+= 0.05 [0-9a-f]{10}:controller.py:", text)
+
+
+def test_a_run_that_cannot_be_made_is_refused_and_not_left_out(changed, monkeypatch, capsys):
+    monkeypatch.setattr("tracerisk.common.dependencies.is_installed", lambda name: name != "mujoco")
+    assert report("--run-against") == 2
+    said = capsys.readouterr().err
+    assert "running the earlier version (--run-against) needs the simulator; install it" in said
+
+
+def test_where_the_present_run_is_not_kept_the_page_says_what_brings_it(changed):
+    for path in (changed.folder / "cell" / CACHE).glob("*.json"):
+        path.unlink()
+    assert report() == 0
+    document = page(changed)
+    text = " ".join(document.get_element_by_id("difference").text_content().split())
+    assert "The present run is not kept on this machine: a .tracerisk_cache that holds it" in text
+    assert "No run is known" not in text
+    assert [each.text for each in document.xpath("//del")] == ["-     joints[0] += 0.05"]
+
+
+def test_a_figure_of_another_version_is_not_the_largest_text(changed):
+    def headline():
+        (figure,) = page(changed).xpath("//h1//span[contains(@class, 'headline-figure')]")
+        return figure.get("class"), bool(page(changed).xpath("//*[@class='headline-odds']"))
+
+    assert report() == 0
+    assert headline() == ("headline-figure", True)
+    changed.write("cell/controller.py", changed.read("cell/controller.py") + b"\nMORE = 1\n")
+    assert report() == 0
+    assert headline() == ("headline-figure is-apart", False)
+    lead = page(changed).xpath("//section[@class='lead']")[0]
+    text = " ".join(lead.text_content().split())
+    assert "Of the blocks, which are not those of a run of these files: probability" in text
+    # What changed comes before any figure.
+    assert text.index("is not assessed as it is now") < text.index("Of the blocks")
+
+
 def test_what_is_not_kept_is_named_with_the_commands_that_bring_it(changed):
     earlier, data = without_earlier(changed)
     assert report() == 0
     document = page(changed)
     assert not document.xpath("//div[@class='side-by-side']")
+    # The changed lines need git alone.
+    assert [each.text for each in document.xpath("//del")] == ["-     joints[0] += 0.05"]
     text = " ".join(document.get_element_by_id("difference").text_content().split())
     assert (
         "Both runs are not shown side by side. The run of HEAD is not kept on this machine. "

@@ -38,10 +38,23 @@ def failures(function, before, after):
     ],
 )
 def test_what_follows_failures_is_told_by_the_kinds_that_changed(before, after, words):
-    assert failure_words(failures("pick", before, after)) == words
+    assert failure_words([failures("pick", before, after)]) == words
 
 
-def test_what_is_told_in_the_same_words_is_one_change():
+def test_shares_of_several_functions_are_told_from_the_least_to_the_greatest():
+    pairs = [
+        ("dead 1: unaware 0.02, stopped late 0.98", "dead 1: stopped late 1"),
+        ("dead 1: unaware 0.03, stopped late 0.97", "dead 1: stopped late 1"),
+    ]
+    fields = [failures(name, *both) for name, both in zip("ab", pairs, strict=True)]
+    assert failure_words(fields) == (
+        "of its failures unaware 2 to 3 % -> 0 %, stopped late 97 to 98 % -> 100 %"
+    )
+    items = [ComponentItem("failures", (field,), None, lambda parts: None) for field in fields]
+    assert len(alike(items)) == 1
+
+
+def test_what_rises_and_falls_alike_is_one_change():
     texts = [
         ("dead 1: unaware 1", "dead 1: stopped safely 1"),
         ("dead 1: unaware 1/2, unaware in put 1/2", "dead 1: stopped safely in put 1"),

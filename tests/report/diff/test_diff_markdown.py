@@ -38,6 +38,15 @@ def test_names_and_reasons_are_not_read_as_markup(eventful, review_of):
     assert r"approach\_the\_rack\_from\_above" in text
 
 
+def test_what_stands_between_backticks_is_code_if_it_is_a_word_or_a_command(difference, review_of):
+    step = {"reach": ("done 1", "motor = 1e-7")}
+    diff = replace(difference(step, step), asked_less=("jar at `x|y`",))
+    notes = ("run `tracerisk check pick.py`, not `<b>`",)
+    text = render_diff_markdown(review_of(diff, notes=notes))
+    assert "must do less: `success` no longer asks jar at \\`x\\|y\\`" in text
+    assert "run `tracerisk check pick.py`, not \\`\\<b\\>\\`" in text
+
+
 def test_a_review_without_controllers_has_no_table(review_of):
     assert render_diff_markdown(review_of()) == (
         f"{TAG}\n**No risk block differs between HEAD and working tree.** "

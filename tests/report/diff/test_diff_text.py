@@ -182,6 +182,86 @@ def test_the_first_sentence_says_why_the_first_cycle_changes_by_another_ratio(
     assert "cycle" not in first_sentence(render_diff(review_of(difference(after, alike))))
 
 
+def test_the_first_sentence_names_functions_apart_in_which_its_cause_works_against_it(
+    difference, review_of
+):
+    before = {"take": ("put 1", "motor = 4e-8"), "put": ("done 1", "motor = 4e-8")}
+    after = {"take": ("put 1", "motor = 2e-8"), "put": ("done 1", "motor = 9e-8")}
+    rises = first_sentence(render_diff(review_of(difference(before, after))))
+    assert "rises" in rises
+    assert "mostly through motor in put (falling in take) [edited by hand]" in rises
+    falls = first_sentence(render_diff(review_of(difference(after, before))))
+    assert "mostly through motor in put (rising in take)" in falls
+
+
+def test_what_the_first_sentence_names_is_in_the_list_however_small(review_of, annotated_source):
+    names = [f"part_{number}" for number in range(8)]
+    before, after = (
+        annotated_source(reach=("done 1", "; ".join(f"{name} = {value}" for name in names)))
+        for value in ("1e-6", "1.05e-6")
+    )
+    after = after.replace("arm.go(", "arm.run(").replace("1.05e-6", "1.06e-6", 1)
+    diff = tracerisk.diff({"x.py": before.encode()}, {"x.py": after.encode()})
+    text = render_diff(review_of(diff))
+    assert "mostly through part_0 in reach" in first_sentence(text)
+    assert "+6.00e-08  part_0 in reach" in text
+    assert "and 7 more, each below 1 % of mission failure" in text
+
+
+@pytest.mark.parametrize("render", [render_diff, render_diff_markdown])
+def test_the_verdicts_first_reason_is_not_said_to_have_broken_once_more(
+    difference, review_of, render
+):
+    step = one_step("motor = 4e-8")
+    faulted = run_of("faulted", "first", "second")
+    diff = replace(difference(step, step), verdicts=RunVerdicts(run_of("complete"), faulted))
+    text = render(review_of(diff))
+    assert text.count("first happened") == text.count("second happened") == 1
+    assert "What else broke" in text
+
+
+@pytest.mark.parametrize("render", [render_diff, render_diff_markdown])
+def test_what_a_reviewer_must_see_stands_above_the_figures_in_every_format(
+    difference, review_of, render
+):
+    diff = replace(
+        difference(one_step("motor = 4e-8"), one_step("motor = 6e-8")),
+        of_run=("jar and infeed touch",),
+        of_evidence=("a failure is now noticed",),
+        hardware=("motor: failure_rate 1e-7/h -> 2e-7/h",),
+        inputs=("cell.py has changed", "scene.xml has changed"),
+    )
+    text = render(review_of(diff))
+    places = [
+        text.index(part)
+        for part in ("jar and infeed", "now noticed", "1e-7/h -", "4.000e-08<br>")
+        if part != "4.000e-08<br>" or render is render_diff_markdown
+    ]
+    assert places == sorted(places)
+    if render is render_diff:
+        assert places[-1] < text.index("  mission failure ")
+    # The controller itself has changed: a reviewer knows.
+    assert "scene.xml has changed" in text
+    assert "cell.py has changed" not in text
+
+
+@pytest.mark.parametrize("render", [render_diff, render_diff_markdown])
+def test_a_controller_that_moved_is_no_new_input_of_its_run(difference, review_of, render):
+    step = one_step("motor = 4e-8")
+    diff = replace(
+        difference(step, one_step("motor = 9e-8"), name="src/cell.py"),
+        was="cell.py",
+        inputs=(
+            "cell.py is no part of the run any more",
+            "src/cell.py is part of the run now",
+            "src/motions.py is part of the run now",
+        ),
+    )
+    text = render(review_of(diff))
+    assert "src/motions.py is part of the run now" in text
+    assert text.count("part of the run") == 1
+
+
 def test_changes_that_do_next_to_nothing_are_only_counted(difference, review_of, annotated_source):
     before = annotated_source(reach=("done 1", "motor = 1e-3; hand = 1e-9; grip = 1e-9"))
     after = annotated_source(reach=("done 1", "motor = 2e-3; hand = 2e-9; grip = 3e-9"))

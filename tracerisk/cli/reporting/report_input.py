@@ -25,7 +25,13 @@ from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import run_section
 from tracerisk.pipeline.review.history import history
 from tracerisk.report.html.evidence import evidence_section
-from tracerisk.report.html.report_input import ReportInput, SideBySide, SourceBlock, SourceFile
+from tracerisk.report.html.report_input import (
+    ComparedSources,
+    ReportInput,
+    SideBySide,
+    SourceBlock,
+    SourceFile,
+)
 from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.run.worlds import worlds_section
 from tracerisk.report.run_figures import run_figures, set_by_hand
@@ -118,18 +124,21 @@ def report_input(
     run: RunShown | str,
     review: Review | None = None,
     both_runs: SideBySide | str = "",
+    compared: ComparedSources | None = None,
     verdicts: Mapping[str, Verdict | None],
     verdict: Sequence[str],
     more: tuple[Section, ...] = (),
     band: str = "",
     unpassed: Sequence[str] = (),
+    is_outrun: bool = False,
     record: Record | None = None,
 ) -> ReportInput:
     """Return what a page is made of; `sources` map the files with blocks, as messages call them.
 
     `run` is what is known of the run behind them, or why nothing is; `verdicts` are those of the
     controllers, and `verdict` their lines. `more` sections follow those of the run, `band` says how
-    far the figure may be off, and `unpassed` what a check does not let pass.
+    far the figure may be off, and `unpassed` what a check does not let pass; it `is_outrun` where
+    the blocks are not those of a run of the files that are here now.
     Raises BlockError or SourceError where blocks are malformed.
     """
     report = ReportInput(
@@ -139,11 +148,13 @@ def report_input(
         pins=overrides_in([Path(file) for file in sources], contents=sources),
         review=review,
         both_runs=both_runs,
+        compared_sources=compared,
         verdicts=verdicts,
         verdict=tuple(verdict),
         sections=more,
         band=band,
         unpassed=tuple(unpassed),
+        is_outrun=is_outrun,
         record=record,
     )
     if isinstance(run, str):

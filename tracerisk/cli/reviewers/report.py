@@ -12,7 +12,7 @@ from tracerisk.cli.reporting.against import (
     add_earlier_run,
     both_runs,
     check_earlier_run,
-    read_against,
+    compared_sources,
     review_against,
 )
 from tracerisk.cli.reporting.overview import write_overview
@@ -127,7 +127,6 @@ def run(options: argparse.Namespace) -> int:
     if len(files) == 1 and kept is not None:
         files = list(kept.files)
     sources = {name: read_file(name) for name in files}
-    read_against(options)
     review = review_against(options.against, files)
     both = both_runs(
         options,
@@ -135,7 +134,6 @@ def run(options: argparse.Namespace) -> int:
         review=review,
         fingerprint="" if kept is None or trace is not None else kept.fingerprint,
         now=recorded,
-        sources=sources,
     )
     shown: dict[str, Any] = {}
     if options.output is not None or options.dossier is not None:
@@ -197,11 +195,15 @@ def _write_page(
         run=run,
         review=review,
         both_runs=both,
+        compared=compared_sources(
+            options, None if kept is None else kept.controller, review=review, sources=sources
+        ),
         verdicts=verdicts.by_controller,
         verdict=lines,
         more=more,
         band=band_shown(run, model, sources, _settings(kept, options)),
         unpassed=tuple(f"{finding.kind}: {finding.text}" for finding in unpassed),
+        is_outrun=any(finding.kind in _OUTRUN for finding in unpassed),
         record=record_of(
             run,
             sources,

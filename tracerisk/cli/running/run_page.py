@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.reporting.against import both_runs, review_against
+from tracerisk.cli.reporting.against import both_runs, compared_sources, review_against
 from tracerisk.cli.reporting.report_input import (
     RunShown,
     evidence_shown,
@@ -49,8 +49,8 @@ def write_page(options: argparse.Namespace, done: Assessed, band: Band | None) -
             review=review,
             fingerprint=done.annotated.fingerprint,
             now=recorded,
-            sources=done.sources,
         ),
+        compared=compared_sources(options, done.controller, review=review, sources=done.sources),
         verdicts={done.controller.file: verdict},
         verdict=tuple(verdict_lines(verdict)),
         band="" if band is None else band.words,

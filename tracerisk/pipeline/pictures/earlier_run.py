@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.common import trace_json
 from tracerisk.common.dependencies import install_command, is_installed
@@ -45,8 +45,15 @@ class RunOfRevision:
     """Its trace."""
     recorded: RecordedRun
     """What was recorded of it."""
+
+
+class SourcesOfRevision(NamedTuple):
+    """The sources of a controller at an earlier revision."""
+
+    prefix: str
+    """What stands before its files in places, such as `main:`."""
     sources: Mapping[str, bytes]
-    """The sources with blocks at the revision, by the names that the trace gives them."""
+    """Those with blocks, by the names that a trace of it gives them."""
 
 
 _TRACE = "trace.json"
@@ -73,8 +80,7 @@ def earlier_run(
     here = Path.cwd()
     with Repository.opened(here) as repository:
         version = compared(repository, here, [revision]).before
-        top = repository.top.resolve()
-        path = Path(os.path.relpath(here.resolve() / (was or controller.path), top)).as_posix()
+        path = _path_in(repository, was or controller.path)
         run = Locks(version).run_of(path)
         if version.file(path) is None:
             return f"{version.name} has no {was or controller.path}."
@@ -88,8 +94,28 @@ def earlier_run(
             return known
         trace, recorded = known
         check_recording(trace, recorded)
+        return RunOfRevision(version.name, trace, recorded)
+
+
+def earlier_sources(
+    controller: Controller, revision: str, *, was: str | None = None
+) -> SourcesOfRevision:
+    """Return the sources of a controller at a revision; `was` is its path there, where it moved.
+
+    Raises InputError for what git does not know.
+    """
+    here = Path.cwd()
+    with Repository.opened(here) as repository:
+        version = compared(repository, here, [revision]).before
+        path = _path_in(repository, was or controller.path)
+        run = Locks(version).run_of(path)
         root = posixpath.dirname(path) if run is None else run.folder
-        return RunOfRevision(version.name, trace, recorded, _sources(version, run, path, root))
+        return SourcesOfRevision(version.prefix, _sources(version, run, path, root))
+
+
+def _path_in(repository: Repository, path: Path | str) -> str:
+    """Return the path from the top of a repository of one that is meant from here."""
+    return Path(os.path.relpath(Path.cwd().resolve() / path, repository.top.resolve())).as_posix()
 
 
 def _recorded(

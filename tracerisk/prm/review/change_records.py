@@ -91,6 +91,8 @@ class RiskChange:
     """What a reviewer should see of it, whatever its contribution."""
     contribution: float | None = None
     """F(before with only this change) - F(before); `None` where that model has no solution."""
+    undetected: float | None = None
+    """The same of the undetected failure; `None` where the earlier version does not know it."""
 
     @property
     def causes(self) -> tuple[Cause, ...]:

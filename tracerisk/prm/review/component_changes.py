@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -63,33 +63,38 @@ def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:
     """Return the items in groups that are one change made in several functions.
 
     They are of one component, kind and cause; probabilities by one ratio, noise left aside,
-    other fields from one value to one other; what follows failures by what is said of it.
+    other fields from one value to one other; of what follows failures the same kinds rise and fall.
     """
     groups: dict[tuple[object, ...], list[ComponentItem]] = {}
     for item in items:
         causes = tuple(field.causes for field in item.fields)
         key: tuple[object, ...] = (item.kind, item.field.component, causes)
         if item.kind == "failures":
-            key = (*key, failure_words(item.field))
+            key = (*key, _directions(item.field))
         if item.kind in ("quantity", "redundancy"):
             key = (*key, *((field.key, field.before, field.after) for field in item.fields))
         groups.setdefault(key, []).append(item)
     return [part for group in groups.values() for part in _by_ratio(group)]
 
 
-def failure_words(field: ChangedField) -> str:
-    """Return how what follows a component's failures changed, by the share of each kind."""
-    before, after = (_shares(text) for text in (field.before, field.after))
-    if not after:
+def failure_words(fields: Sequence[ChangedField]) -> str:
+    """Return how what follows a component's failures changed, by the share of each kind.
+
+    In several functions a share is given from the least to the greatest of these.
+    """
+    before = [_shares(field.before) for field in fields]
+    after = [_shares(field.after) for field in fields]
+    if not any(after):
         return "what follows its failures is no longer known"
-    if not before:
-        shares = ", ".join(f"{kind} {_percent(share)}" for kind, share in after.items())
+    kinds = sorted({kind for shares in (*before, *after) for kind in shares}, key=_rank)
+    if not any(before):
+        shares = ", ".join(f"{kind} {_percent(after, kind)}" for kind in kinds)
         return f"what follows its failures is known now: {shares}"
-    changes = []
-    for kind in dict.fromkeys([*before, *after]):
-        old, new = (_percent(shares.get(kind, 0.0)) for shares in (before, after))
-        if old != new:
-            changes.append(f"{kind} {old} -> {new}")
+    changes = [
+        f"{kind} {_percent(before, kind)} -> {_percent(after, kind)}"
+        for kind in kinds
+        if any(_apart(old, new, kind) for old, new in zip(before, after, strict=True))
+    ]
     if changes:
         return f"of its failures {', '.join(changes)}"
     return "the same follows its failures, of other modes or in other functions"
@@ -102,11 +107,36 @@ def _shares(text: str | None) -> dict[str, float]:
         for outcome in mode.outcomes:
             kind = f"back to {outcome.target}" if outcome.target else outcome.kind
             shares[kind] = shares.get(kind, 0.0) + float(mode.share * outcome.share)
-    return dict(sorted(shares.items(), key=lambda entry: (_ORDER.get(entry[0], 0), entry[0])))
+    return shares
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
+def _directions(field: ChangedField) -> tuple[object, ...]:
+    """Return which version knows what follows failures, and which kinds of it rise or fall."""
+    before, after = _shares(field.before), _shares(field.after)
+    kinds = sorted({*before, *after})
+    moved = [kind for kind in kinds if _apart(before, after, kind)]
+    rises = [(kind, after.get(kind, 0.0) > before.get(kind, 0.0)) for kind in moved]
+    return bool(before), bool(after), *rises
+
+
+def _rank(kind: str) -> tuple[int, str]:
+    return _ORDER.get(kind, 0), kind
+
+
+def _apart(before: Mapping[str, float], after: Mapping[str, float], kind: str) -> bool:
+    """Return whether a share is another one as it is printed."""
+    return _digits(before.get(kind, 0.0)) != _digits(after.get(kind, 0.0))
+
+
+def _percent(shares: Sequence[Mapping[str, float]], kind: str) -> str:
+    """Return the share that a kind has in several functions."""
+    values = [of_kind.get(kind, 0.0) for of_kind in shares]
+    ends = dict.fromkeys(map(_digits, (min(values), max(values))))
+    return f"{' to '.join(ends)} %"
+
+
+def _digits(share: float) -> str:
+    return f"{100.0 * share:.3g}"
 
 
 def _by_ratio(group: Sequence[ComponentItem]) -> Iterator[list[ComponentItem]]:

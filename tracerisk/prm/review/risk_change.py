@@ -133,10 +133,13 @@ def _changes(
 
 
 def _solved(parts: Sequence[_Part], before: RiskVersion) -> list[_Part]:
-    return [
-        part._replace(change=replace(part.change, contribution=contribution(before, part.edits)))
-        for part in parts
-    ]
+    return [_solved_part(part, before) for part in parts]
+
+
+def _solved_part(part: _Part, before: RiskVersion) -> _Part:
+    alone = contribution(before, part.edits)
+    change = replace(part.change, contribution=alone.failure, undetected=alone.undetected)
+    return part._replace(change=change)
 
 
 def _causes(
@@ -159,14 +162,30 @@ def _causes(
         together, summary = first.contribution, first.summary
         if len(group) > 1:
             edits = (edit for part in group for edit in part.edits)
-            together = contribution(before, edits)
-            where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
+            together = contribution(before, edits).failure
             named = dict.fromkeys(str(part.change.component) for part in group)
+            where = _where([part.change for part in group], together or 0.0)
             summary = f"{' and '.join(sorted(named))} in {where}"
         cause_shares.append(
             CauseShare(first.component, _kinds(first), functions, summary, together)
         )
     return tuple(sorted(cause_shares, key=_order_of_cause))
+
+
+def _where(changes: Sequence[RiskChange], together: float) -> str:
+    """Return the functions of changes, those apart in which the figure goes the other way."""
+    along: dict[str, None] = {}
+    against: dict[str, None] = {}
+    for change in changes:
+        is_against = (change.contribution or 0.0) * together < 0.0
+        (against if is_against else along).update(dict.fromkeys(change.functions))
+    others = [name for name in against if name not in along]
+    named = list(along or against)
+    where = named[0] if len(named) == 1 else f"{len(named)} functions"
+    if not along or not others:
+        return where
+    other_way = "falling" if together > 0.0 else "rising"
+    return f"{where} ({other_way} in {_listed(sorted(others))})"
 
 
 def _kinds(change: RiskChange) -> tuple[CauseKind, ...]:
@@ -215,7 +234,7 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
         case "component_restored":
             return f"{lead}: no longer left out"
     if first.kind == "failures":
-        return f"{lead}: {failure_words(one)}"
+        return f"{lead}: {failure_words([item.field for item in group])}"
     text = f"{lead}: {', '.join(map(_values, first.fields))}"
     if first.kind != "probability":
         return text

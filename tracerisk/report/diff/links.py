@@ -13,7 +13,7 @@ from tracerisk.prm.review.risk_diff import Review, RiskDiff
 _SPECIAL = re.compile(r"([\\`*_\[\]<>|~])")
 _FIRST = re.compile(r"^(?=[-+#=]|\d+[.)])")
 _REFERENCE = re.compile(r"([#!%$])(?=\w)")
-_COMMAND = re.compile(r"`(tracerisk [^`|]*[^`|\s])`")
+_CODE = re.compile(r"`(tracerisk [^`|]*[^`|\s]|[A-Za-z_]\w*)`")
 _NOTHING = "\u200b"  # a space without width: what it parts is no reference and no address
 
 
@@ -21,11 +21,11 @@ def escaped(text: str) -> str:
     """Keep names and reasons from being read as Markdown, HTML, a mention or a cell's end.
 
     Nor are they references to issues or merge requests, addresses, or commands of a bot. Commands
-    of ours are code.
+    of ours, and single words between backticks, are code.
     """
     plain = one_line(text)
-    parts = _COMMAND.split(plain)
-    # Every second part is a command; in code nothing is markup.
+    parts = _CODE.split(plain)
+    # Every second part is code, in which nothing is markup.
     shown = "".join(f"`{part}`" if i % 2 else _plain(part) for i, part in enumerate(parts))
     return _FIRST.sub(r"\\", shown)
 

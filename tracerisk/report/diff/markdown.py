@@ -46,10 +46,11 @@ def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str
         head += [links.text(line), ""]
     headline = sentences.headline(review, below_verdicts=bool(verdicts), one_in_n=True)
     head += [f"**{links.text(headline)}**", ""]
-    unfolded = [diff for diff in shown if any(_open_lists(review, diff))][:MOST_UNFOLDED]
+    above = titled_lists.above_figures
+    unfolded = [diff for diff in shown if above(review, diff)][:MOST_UNFOLDED]
     for risk_diff in unfolded:
         of = "" if len(shown) == 1 else f", {risk_diff.name}"
-        for title, entries in _open_lists(review, risk_diff):
+        for title, entries in above(review, risk_diff):
             head += _list(title + escaped(of), entries, links)
     if review.controllers:
         head += _summary(review, shown, links)
@@ -86,18 +87,6 @@ def _fitting(
             notes = notes[:-1]
         else:
             head.pop()
-
-
-def _open_lists(review: Review, diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
-    """Yield what a reviewer must see beside the figures, each list with its title."""
-    yield from titled_lists.of_missions(diff)
-    if diff.of_run:
-        yield titled_lists.OF_RUN, diff.of_run
-    if diff.of_evidence:
-        yield titled_lists.OF_EVIDENCE, diff.of_evidence
-    yield from titled_lists.checks_lists(review, diff)
-    if diff.hardware:
-        yield titled_lists.OF_HARDWARE, titled_lists.of_hardware(diff)
 
 
 def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterator[str]:
@@ -153,7 +142,7 @@ def _figure(probability: float) -> str:
 
 def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) -> Iterator[str]:
     if with_lists:
-        for title, entries in _open_lists(review, diff):
+        for title, entries in titled_lists.above_figures(review, diff):
             yield from _list(title, entries, links)
     if diff.changes and diff.is_comparable:
         yield from _changes(review, diff, links)
@@ -181,7 +170,7 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
     if diff.single_points or diff.pins or noise:
         yield ""
     yield from _list(titled_lists.OF_PACE, titled_lists.of_pace(diff), links)
-    yield from _list(titled_lists.OF_INPUTS, diff.inputs, links)
+    yield from _list(titled_lists.OF_INPUTS, list(titled_lists.of_inputs(diff)), links)
 
 
 def _changes(review: Review, diff: RiskDiff, links: Links) -> Iterator[str]:
@@ -189,7 +178,7 @@ def _changes(review: Review, diff: RiskDiff, links: Links) -> Iterator[str]:
     large = [change for change in diff.changes if change not in small]
     rows = [
         (
-            wording.difference(change.contribution),
+            wording.alone(change),
             escaped(change.summary) + _marked(wording.marks(change)),
             escaped(wording.causes(change)),
             links.text(wording.places(review, change)),

@@ -141,11 +141,16 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         return text + (f", yet {_structural(diff)}{_stale(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (
-        f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
+        f"mission failure {verb} from {probability(old)} to {probability(new)} "
         f"({ratio(old, new)}{missions}){_main_cause(diff)}"
     )
+    if new > old and diff.is_credited:
+        # What the change is for comes first; what it costs comes second.
+        text = f"{_of_undetected(diff, 'undetected failure')}; {text}"
+    else:
+        text += _of_which(diff)
     another_way = f"; it {_ANOTHER_WAY}" if diff.goes_another_way else _same_mission(diff)
-    return text + _of_which(diff) + another_way + _per_cycle(diff) + _stale(diff)
+    return f"{diff.name}: {text}{another_way}{_per_cycle(diff)}{_stale(diff)}"
 
 
 def _same_mission(diff: RiskDiff) -> str:
@@ -200,20 +205,23 @@ def _by_evidence(diff: RiskDiff, old: float, new: float) -> str:
 def _of_which(diff: RiskDiff) -> str:
     """Return what nobody notices of the mission's failure, and how that changed."""
     if diff.undetected is not None:
-        old, new = diff.undetected
-        if diff.undetected_increase == 0.0:
-            return f"; undetected of it is unchanged at {probability(new)}"
-        verb = "rises" if new > old else "falls"
-        return (
-            f"; undetected of it {verb} from {probability(old)} to {probability(new)} "
-            f"({ratio(old, new)})"
-        )
+        return f"; {_of_undetected(diff, 'undetected of it')}"
     after = None if diff.after is None else diff.after.undetected_probability
     if after is not None:
         return f"; undetected of it is {probability(after)}"
     if diff.before is not None and diff.before.undetected_probability is not None:
         return "; it is no longer known what of it is undetected"
     return ""
+
+
+def _of_undetected(diff: RiskDiff, what: str) -> str:
+    """Return how the undetected failure changed, which both versions know."""
+    assert diff.undetected is not None, "both know it"
+    old, new = diff.undetected
+    if diff.undetected_increase == 0.0:
+        return f"{what} is unchanged at {probability(new)}"
+    verb = "rises" if new > old else "falls"
+    return f"{what} {verb} from {probability(old)} to {probability(new)} ({ratio(old, new)})"
 
 
 def _missions(mission: MissionFigures) -> str:

@@ -40,7 +40,7 @@ def render_diff(review: Review, *, width: int = 80) -> str:
 
 
 def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
-    for title, entries in titled_lists.of_missions(diff):
+    for title, entries in titled_lists.above_figures(review, diff):
         yield from _list(title, entries, room)
     yield from _missions(diff, room)
     if diff.changes and diff.is_comparable:
@@ -58,7 +58,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         yield ""
     if diff.shown_functions:
         yield from _functions(diff, room)
-    for title, entries in titled_lists.of_parts(review, diff):
+    for title, entries in titled_lists.below_figures(review, diff):
         yield from _list(title, entries, room)
     if diff.within_noise and diff.is_comparable:
         values = "value changes" if diff.within_noise == 1 else "values change"
@@ -87,9 +87,18 @@ def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
     lead = f"  {wording.difference(change.contribution):>{_ALONE}}  "
     if change.contribution is None:
         lead = f"  {'?':>{_ALONE}}  "
+    undetected = wording.of_undetected(change)
+    if change.kind == "failures" and change.contribution == 0.0:
+        # It changes what follows failures, not how often they end the mission.
+        lead = " " * (_ALONE + 4)
     hanging = _ALONE + 4
     yield from _wrapped(lead + change.summary, room, hanging=hanging)
-    why = [wording.marks(change), wording.causes(change), wording.places(review, change)]
+    why = [
+        undetected,
+        wording.marks(change),
+        wording.causes(change),
+        wording.places(review, change),
+    ]
     text = "; ".join(part for part in why if part)
     yield from _wrapped(" " * hanging + text, room, hanging=hanging)
 

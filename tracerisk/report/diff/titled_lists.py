@@ -64,6 +64,9 @@ OF_HARDWARE = "What changed in the hardware description"
 BROKE = "What broke"
 
 
+ALSO_BROKE = "What else broke"
+
+
 REPAIRED = "What was repaired"
 
 
@@ -171,7 +174,7 @@ def of_checks(review: Review, checks: Sequence[ChangedCheck]) -> tuple[str, ...]
     return tuple(lines)
 
 
-def checks_lists(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
+def _checks_lists(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """Return the lists of checks that are lost or new; the only lost one stands above all else."""
     lost = of_checks(review, diff.lost_checks)
     new = of_checks(review, [check for check in diff.checks if not check.is_lost])
@@ -180,11 +183,20 @@ def checks_lists(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
     return [(title, list(_at_most(lines))) for title, lines in pairs if lines]
 
 
-def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
-    """Return what the later run brought about otherwise, and what broke and was repaired.
+def above_figures(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what a reviewer must see before any figure, with the title of each list."""
+    pairs = [
+        *_of_missions(diff),
+        (OF_RUN, list(diff.of_run)),
+        (OF_EVIDENCE, list(diff.of_evidence)),
+        *_checks_lists(review, diff),
+        (OF_HARDWARE, list(_at_most(diff.hardware))),
+    ]
+    return [(title, lines) for title, lines in pairs if lines]
 
-    Each comes with its title, before any figure is shown.
-    """
+
+def _of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what the later run brought about otherwise, and what broke and was repaired."""
     pairs = [
         (ASKED_LESS, list(_at_most(diff.asked_less if len(diff.asked_less) > 1 else ()))),
         (ASKED_OTHERWISE, list(_at_most(diff.asked_otherwise))),
@@ -198,41 +210,42 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
             pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
     if diff.verdicts is not None:
         broke = list(map(str, diff.verdicts.broke))
-        # The one that broke stands in the line of the verdict.
-        is_told = len(broke) == 1 and _is_wrong(diff) and _is_said(diff.verdicts.after, broke[0])
+        # What stands in the line of the verdict is not said again.
+        others = [text for text in broke if not (_is_wrong(diff) and _is_said(diff, text))]
         pairs += [
-            (BROKE, [] if is_told else broke),
+            (BROKE if len(others) == len(broke) else ALSO_BROKE, others),
             (REPAIRED, [str(reason) for reason in diff.verdicts.repaired]),
         ]
-    return [(title, lines) for title, lines in pairs if lines]
+    return pairs
 
 
-def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
-    """Return what else differs, below the figures, with the title of each list."""
+def below_figures(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what else differs, with the title of each list."""
     single = [f"{point.component}, in {some(point.functions)}" for point in diff.single_points]
     pairs = [
-        *checks_lists(review, diff),
         ("Single points of failure that were none", single),
-        (OF_HARDWARE, list(of_hardware(diff))),
         ("Values set by hand", pins(review, diff)),
         (OF_PACE, list(of_pace(diff))),
-        (OF_RUN, list(diff.of_run)),
-        (OF_EVIDENCE, list(diff.of_evidence)),
-        (OF_INPUTS, list(_inputs(diff))),
+        (OF_INPUTS, list(of_inputs(diff))),
     ]
     return [(title, lines) for title, lines in pairs if lines]
 
 
-def _inputs(diff: RiskDiff) -> Iterator[str]:
+def of_inputs(diff: RiskDiff) -> Iterator[str]:
     """Yield which other inputs of the run changed: not the controller, nor what is listed above."""
+    known = {f"{diff.name} has changed"}
+    if diff.was is not None:
+        known |= {f"{diff.name} is part of the run now"}
+        known |= {f"{diff.was} is no part of the run any more"}
     for line in diff.inputs:
         file = line.removesuffix(" has changed")
-        is_told = any(f"({file}:" in told for told in diff.hardware)
-        if line == file or not (file == diff.name or is_told):
+        is_told = file != line and any(f"({file}:" in told for told in diff.hardware)
+        if line not in known and not is_told:
             yield line
 
 
-def _is_said(verdict: Verdict | None, reason: str) -> bool:
+def _is_said(diff: RiskDiff, reason: str) -> bool:
+    verdict = None if diff.verdicts is None else diff.verdicts.after
     return verdict is not None and reason in verdict_line(verdict)
 
 
@@ -247,11 +260,6 @@ def _visits(diff: RiskDiff) -> Iterator[str]:
         alike.setdefault(counts, []).append(function.name)
     for (now, was), names in alike.items():
         yield f"{', '.join(names)}: {now} visit{'s' * (now != '1')}, before: {was}"
-
-
-def of_hardware(diff: RiskDiff) -> tuple[str, ...]:
-    """Return what changed in the hardware description, with old and new values and sources."""
-    return _at_most(diff.hardware)
 
 
 def of_pace(diff: RiskDiff) -> tuple[str, ...]:

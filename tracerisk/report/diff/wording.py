@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from tracerisk.errors import Location
 from tracerisk.prm.review.change_records import (
+    KIND_OF_CAUSE,
     NOISE,
+    CauseShare,
     FunctionChange,
     Mark,
     PinChange,
@@ -81,7 +83,8 @@ def probability(value: float) -> str:
 def small_changes(diff: RiskDiff) -> list[RiskChange]:
     """Return the changes that a reviewer need not see: below the noise of the mission's figure.
 
-    What a user set or edited, and what stands out whatever the figure does, is none of them.
+    What a user set or edited, what stands out whatever the figure does, and what the sentence
+    names as the cause, is none of them.
     """
     figures = [
         mission_figures.failure_probability
@@ -96,7 +99,15 @@ def small_changes(diff: RiskDiff) -> list[RiskChange]:
         and not change.marks
         and change.kind != "failures"
         and not {"pin", "edit"} & set(change.causes)
+        and not (diff.causes and not diff.is_same_figure and _is_of(change, diff.causes[0]))
     ]
+
+
+def _is_of(change: RiskChange, cause: CauseShare) -> bool:
+    """Return whether a change is one of those of a cause, as the sentence names it."""
+    kinds = {KIND_OF_CAUSE[one] for one in change.causes}
+    is_whole = change.component is not None or change.summary == cause.summary
+    return change.component == cause.component and kinds == set(cause.kinds) and is_whole
 
 
 def has_interaction(diff: RiskDiff) -> bool:
@@ -115,6 +126,13 @@ def small_line(small: Sequence[RiskChange], diff: RiskDiff) -> str:
     count = f"{len(small)} more" if more else f"{len(small)} change{'s' * (len(small) > 1)}"
     each = ", each" if len(small) > 1 else ""
     return f"{more}{count}{each} below {100.0 * NOISE:g} % of mission failure; --json lists them"
+
+
+def alone(change: RiskChange) -> str:
+    """Return what only a change does to mission failure, or else to what is undetected of it."""
+    if change.kind == "failures" and change.contribution == 0.0:
+        return of_undetected(change)
+    return difference(change.contribution)
 
 
 def difference(value: float | None) -> str:
@@ -150,6 +168,16 @@ def count(value: float) -> str:
 def causes(change: RiskChange) -> str:
     """Return the causes of a change in words."""
     return ", ".join(_CAUSES[cause] for cause in change.causes)
+
+
+def of_undetected(change: RiskChange) -> str:
+    """Return what only a change of what follows failures does to the undetected failure.
+
+    Empty for another change, and where that is not known.
+    """
+    if change.kind != "failures" or change.undetected is None:
+        return ""
+    return f"undetected {difference(change.undetected)}"
 
 
 def marks(change: RiskChange) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -13,8 +14,10 @@ from tracerisk.report.diff import sentences, titled_lists, wording
 from tracerisk.report.html.page import asset, rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Data, Section
+from tracerisk.report.html.sources import ChangedLines, changed_lines, line_links
 from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
 
+_MOST_CHANGED = 12  # places of the sources that are listed
 _NONE = "none"
 _NOT_KNOWN = "not known"
 
@@ -38,7 +41,9 @@ def difference_section(report: ReportInput) -> Section | None:
     review = report.review
     if review is None:
         return None
-    runs, data = _both_runs(report, review)
+    sources = report.compared_sources
+    changed = [] if sources is None else list(changed_lines(sources, line_links(report.sources)))
+    runs, data = _both_runs(report, review, changed)
     html = rendered(
         "difference.html.j2",
         headline=sentences.whole_headline(review),
@@ -51,25 +56,39 @@ def difference_section(report: ReportInput) -> Section | None:
         notes=review.notes,
         both_runs=runs,
         has_runs=bool(data),
+        changed_lines=_changed(changed),
     )
     return Section(
         "difference",
         f"Since {review.before}",
         html,
-        css=asset("side_by_side.css") if data else "",
+        css=asset("changed_lines.css") + (asset("side_by_side.css") if data else ""),
         js=asset("side_by_side.js") if data else "",
         data=data,
     )
 
 
-def _both_runs(report: ReportInput, review: Review) -> tuple[Markup | str, tuple[Data, ...]]:
+def _changed(changed: Sequence[ChangedLines]) -> Markup | str:
+    """Return the lines of the sources that differ; empty for none."""
+    if not changed:
+        return ""
+    return rendered(
+        "changed_lines.html.j2",
+        changed=changed[:_MOST_CHANGED],
+        more=max(len(changed) - _MOST_CHANGED, 0),
+    )
+
+
+def _both_runs(
+    report: ReportInput, review: Review, changed: Sequence[ChangedLines]
+) -> tuple[Markup | str, tuple[Data, ...]]:
     """Return both runs side by side with their data, or a sentence that says why not."""
     shown = report.both_runs
     if isinstance(shown, str):
         return f"Both runs are not shown side by side. {shown}" if shown else "", ()
     from tracerisk.report.html.run.side_by_side import side_by_side
 
-    return side_by_side(shown, report, review.renamed)
+    return side_by_side(shown, report, changed, review.renamed)
 
 
 def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
@@ -79,7 +98,10 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
         tables.append(_changes(name, review, diff))
     if diff.shown_functions:
         tables.append(_functions(name, diff))
-    lists = [*titled_lists.of_missions(diff), *titled_lists.of_parts(review, diff)]
+    lists = [
+        *titled_lists.above_figures(review, diff),
+        *titled_lists.below_figures(review, diff),
+    ]
     note = ""
     if diff.within_noise and diff.is_comparable:
         note = f"Values that changed by less than 1 %, reported as unchanged: {diff.within_noise}."
@@ -115,7 +137,7 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
     rows = [
         row_of(
             Cell(change.summary, note=wording.marks(change)),
-            wording.difference(change.contribution),
+            wording.alone(change),
             wording.causes(change),
             wording.places(review, change),
             component=change.component,

@@ -55,8 +55,6 @@ class EarlierRun:
     """Its trace."""
     recorded: RecordedRun
     """What was recorded of it."""
-    sources: Mapping[str, SourceFile]
-    """The sources of the version with blocks, by the names that the trace gives them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +65,18 @@ class SideBySide:
     """The earlier run."""
     now: RecordedRun
     """What was recorded of the present run."""
-    sources: Mapping[str, SourceFile]
-    """The present sources, by the names that the trace gives them."""
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedSources:
+    """The sources with blocks of two versions, by the names that traces give them."""
+
+    prefix: str
+    """What stands before a file of the earlier version, such as `main:`."""
+    before: Mapping[str, SourceFile]
+    """Those of the earlier version."""
+    now: Mapping[str, SourceFile]
+    """Those of the present one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,10 +118,14 @@ class ReportInput:
     """Changes since an earlier version; `None` where not asked for."""
     both_runs: SideBySide | str = ""
     """The run of that version and the present one, to show in step; or why not, in a sentence."""
+    compared_sources: ComparedSources | None = None
+    """The sources of both versions; `None` where no earlier version was asked for, or not known."""
     band: str = ""
     """How far the figure may be off, in one sentence; "" where that is not known."""
     unpassed: tuple[str, ...] = ()
     """What a check of the files does not let pass, one line each."""
+    is_outrun: bool = False
+    """Whether the blocks are not those of a run of the files that are here now."""
     record: Record | None = None
     """What the figure was made from; `None` where nobody gathered it."""
     sections: tuple[Section, ...] = field(default=())

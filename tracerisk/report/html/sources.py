@@ -1,14 +1,22 @@
-"""The annotated sources, line by line, with their blocks."""
+"""The annotated sources, line by line, with their blocks, and the lines that a change changed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import difflib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from tracerisk.report.html.page import rendered
-from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
+from tracerisk.report.html.report_input import (
+    ComparedSources,
+    ReportInput,
+    SourceBlock,
+    SourceFile,
+)
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tokens import Token, tokens_of
+
+_MOST_LINES = 12  # of one changed place
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +45,28 @@ class ShownSource:
     """Its lines in order."""
     links: tuple[tuple[str, str], ...]
     """Links to its blocks, ((function, target), ...)."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChangedLines:
+    """Lines of a source that differ between the versions."""
+
+    file: str
+    """File, as the traces name it."""
+    function: str
+    """Function of the lines; empty for none with a block."""
+    line: int
+    """The first line in the present version, or the one that follows."""
+    before: str
+    """File and first line of the earlier version, with its name."""
+    now: str
+    """File and first line of the present version."""
+    link: str
+    """Where in the page that is; empty for none."""
+    gone: tuple[str, ...]
+    """Lines of the earlier version."""
+    come: tuple[str, ...]
+    """Lines of the present version."""
 
 
 def sources_section(report: ReportInput) -> Section | None:
@@ -84,6 +114,73 @@ def line_links(sources: Sequence[SourceFile]) -> dict[tuple[str, int | None], st
         for index, file in enumerate(sources)
         for line in range(1, len(_split(file.text)) + 1)
     }
+
+
+def changed_lines(
+    sources: ComparedSources, links: Mapping[tuple[str, int | None], str]
+) -> Iterator[ChangedLines]:
+    """Yield the lines that differ between two versions, risk blocks left out.
+
+    `links` lead to the present lines, by file and line.
+    """
+    before, now = sources.before, sources.now
+    for file in dict.fromkeys((*now, *before)):
+        old, new = _code(before.get(file)), _code(now.get(file))
+        matcher = difflib.SequenceMatcher(
+            None, [text for _, text in old], [text for _, text in new], autojunk=False
+        )
+        for kind, old_first, old_last, first, last in matcher.get_opcodes():
+            gone, come = old[old_first:old_last], new[first:last]
+            if kind == "equal" or not any(text.strip() for _, text in (*gone, *come)):
+                continue
+            line = new[min(first, len(new) - 1)][0] if new else 0
+            was = old[min(old_first, len(old) - 1)][0] if old else 0
+            name = now[file].name if file in now else ""
+            yield ChangedLines(
+                file,
+                function_at(now.get(file), line),
+                line,
+                f"{sources.prefix}{before[file].name}:{was}" if file in before else "",
+                f"{name}:{line}" if name else "",
+                links.get((name, line), ""),
+                _few(gone),
+                _few(come),
+            )
+
+
+def _code(source: SourceFile | None) -> list[tuple[int, str]]:
+    """Return the lines of a source outside risk blocks, with their numbers."""
+    if source is None:
+        return []
+    blocks = {
+        number for block in source.blocks for number in range(block.first_line, block.last_line + 1)
+    }
+    lines = enumerate(source.text.splitlines(), start=1)
+    return [(number, text.rstrip()) for number, text in lines if number not in blocks]
+
+
+def function_at(source: SourceFile | None, line: int) -> str:
+    """Return the function with a block whose definition stands last above a line."""
+    above = [] if source is None else [block for block in source.blocks if block.line <= line]
+    if source is None or not above:
+        return ""
+    block = max(above, key=lambda known: known.line)
+    lines = source.text.splitlines()
+    margin = _margin(lines[block.line - 1])
+    between = [text for text in lines[block.line : line] if text.strip()]
+    is_left = any(_margin(text) <= margin and text.strip()[0] not in ")]}#" for text in between)
+    return "" if is_left else block.function
+
+
+def _margin(text: str) -> int:
+    return len(text) - len(text.lstrip())
+
+
+def _few(lines: Sequence[tuple[int, str]]) -> tuple[str, ...]:
+    texts = [text for _, text in lines]
+    if len(texts) <= _MOST_LINES:
+        return tuple(texts)
+    return (*texts[:_MOST_LINES], f"... and {len(texts) - _MOST_LINES} lines more")
 
 
 def _lines(index: int, file: SourceFile) -> Iterator[SourceLine]:

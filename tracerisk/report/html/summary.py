@@ -25,6 +25,7 @@ def lead(report: ReportInput) -> Markup:
         verdict=_verdict(report) if report.verdict else (),
         reasons=report.verdict[1:],
         headline=_headline(report),
+        is_apart=bool(_of_what(report)),
         undetected=undetected_sentence(report.assessment.mission, figures.powered),
         cause=_cause(report),
         assumed=_assumed(report),
@@ -61,14 +62,11 @@ def _is_named(report: ReportInput) -> bool:
 
 
 def _headline(report: ReportInput) -> tuple[str, str, str]:
-    """Return the sentence, the figure that ends it, and that as one in so many missions."""
-    risk = report.assessment.mission.failure_probability
-    of_what = ""
-    for name, verdict in report.verdicts.items():
-        if verdict is not None and verdict.is_bad:
-            whose = f" of {name}" if _is_named(report) else ""
-            of_what = f"Of what ran, for the run{whose} is {verdict.kind}: "
-            break
+    """Return the sentence, the figure that ends it, and that as one in so many missions.
+
+    A figure of another mission, or of other files, is not said as one in so many.
+    """
+    risk, of_what = report.assessment.mission.failure_probability, _of_what(report)
     if risk == 0.0:
         text = f"no hardware failure that is modelled can end a mission of {report.model.name}."
         return _begun(of_what + text), "", ""
@@ -77,8 +75,19 @@ def _headline(report: ReportInput) -> tuple[str, str, str]:
     return (
         _begun(of_what + text),
         figures.powered(risk, digits=4),
-        f"{often} missions" if often else "",
+        f"{often} missions" if often and not of_what else "",
     )
+
+
+def _of_what(report: ReportInput) -> str:
+    """Return of what the figure is, if not of a mission of these files that went well."""
+    if report.is_outrun:
+        return "Of the blocks, which are not those of a run of these files: "
+    for name, verdict in report.verdicts.items():
+        if verdict is not None and verdict.is_bad:
+            whose = f" of {name}" if _is_named(report) else ""
+            return f"Of what ran, for the run{whose} is {verdict.kind}: "
+    return ""
 
 
 def _begun(sentence: str) -> str:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,13 +11,18 @@ from markupsafe import Markup
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.report.html.page import rendered
-from tracerisk.report.html.report_input import EarlierRun, ReportInput, SideBySide, SourceFile
+from tracerisk.report.html.report_input import (
+    ComparedSources,
+    ReportInput,
+    SideBySide,
+    SourceFile,
+)
 from tracerisk.report.html.run.in_step import Difference, InStep, in_step
 from tracerisk.report.html.run.recorded_replay import make_replay
 from tracerisk.report.html.run.replay import replay_data
 from tracerisk.report.html.run.timeline import SPEEDS, timeline_data
 from tracerisk.report.html.section import Data
-from tracerisk.report.html.sources import line_links
+from tracerisk.report.html.sources import ChangedLines, function_at, line_links
 
 if TYPE_CHECKING:
     from tracerisk.trace import TracedCommand
@@ -29,8 +33,6 @@ MOST_FRAMES = 5_000
 """How many positions of the earlier run are drawn at most."""
 
 _MOST_LISTED = 6  # differences in sight; more are folded
-_MOST_CHANGED = 12  # places of the sources that are listed
-_MOST_LINES = 12  # of one place
 _KINDS = (
     ("other", "both, differently"),
     ("before", "only before"),
@@ -53,43 +55,26 @@ class _Place:
     """Where in the page it is; empty for the earlier version."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Change:
-    """Lines of a source that differ between the versions."""
-
-    file: str
-    """File, as the traces name it."""
-    function: str
-    """Function of the lines; empty for none with a block."""
-    line: int
-    """The first line in the present version, or the one that follows."""
-    before: str
-    """File and first line of the earlier version, with its name."""
-    now: str
-    """File and first line of the present version."""
-    link: str
-    """Where in the page that is; empty for none."""
-    gone: tuple[str, ...]
-    """Lines of the earlier version."""
-    come: tuple[str, ...]
-    """Lines of the present version."""
-
-
 def side_by_side(
-    shown: SideBySide, report: ReportInput, renamed: Mapping[str, str]
+    shown: SideBySide,
+    report: ReportInput,
+    changed: Sequence[ChangedLines],
+    renamed: Mapping[str, str],
 ) -> tuple[Markup, tuple[Data, ...]]:
     """Return what shows both runs of a report, and the data that its script reads.
 
-    `renamed` gives the later name of functions by their earlier one. Raises HardwareError where the
-    hardware description does not fit the earlier run.
+    `changed` are the lines of the sources that differ; `renamed` gives the later name of functions
+    by their earlier one. Raises HardwareError where the hardware description does not fit the
+    earlier run.
     """
     assert report.trace is not None, "the present run is shown"
+    sources = report.compared_sources
+    assert sources is not None, "they come with the runs"
     before = shown.before
     links = line_links(report.sources)
     aligned = in_step(before.trace, report.trace, renamed=renamed)
-    changed = list(_changes(before, shown.sources, links))
     differences = [
-        {"words": difference.words, "lines": _lines(difference, shown, changed, links)}
+        {"words": difference.words, "lines": _lines(difference, sources, changed, links)}
         for difference in aligned.differences
     ]
     html = rendered(
@@ -100,8 +85,6 @@ def side_by_side(
         kinds=_KINDS,
         differences=differences,
         most=_MOST_LISTED,
-        changed=changed[:_MOST_CHANGED],
-        more_changed=max(len(changed) - _MOST_CHANGED, 0),
     )
     replay = make_replay(before.recorded, before.trace.end.simulated_s, most_frames=MOST_FRAMES)
     names = model_names([function.ref for function in before.trace.functions])
@@ -137,8 +120,8 @@ def _axis(aligned: InStep) -> dict[str, Any]:
 
 def _lines(
     difference: Difference,
-    shown: SideBySide,
-    changed: Sequence[_Change],
+    sources: ComparedSources,
+    changed: Sequence[ChangedLines],
     links: Mapping[tuple[str, int | None], str],
 ) -> list[_Place]:
     """Return the lines that a difference comes from.
@@ -149,8 +132,8 @@ def _lines(
     command = difference.now or difference.before
     if command is None:
         return []
-    source = shown.sources.get(command.function.file)
-    name = "" if source is None else _function_at(source, command.line)
+    source = sources.now.get(command.function.file)
+    name = "" if source is None else function_at(source, command.line)
     own = [
         change
         for change in changed
@@ -170,10 +153,9 @@ def _lines(
             *(_Place("before", change.before, text.strip(), "") for text in change.gone[:1]),
             *(_Place("now", change.now, text.strip(), change.link) for text in change.come[:1]),
         ]
-    version = f"{shown.before.version}:"
     places = [
-        _command_place("before", difference.before, shown.before.sources, {}, version),
-        _command_place("now", difference.now, shown.sources, links, ""),
+        _command_place("before", difference.before, sources.before, {}, sources.prefix),
+        _command_place("now", difference.now, sources.now, links, ""),
     ]
     known = [place for place in places if place is not None]
     # A command that stands there unchanged is shown once.
@@ -199,69 +181,3 @@ def _command_place(
     if command.callers:
         where += f", called from line {command.callers[0].line}"
     return _Place(side, where, lines[command.line - 1].strip(), link)
-
-
-def _changes(
-    earlier: EarlierRun,
-    now: Mapping[str, SourceFile],
-    links: Mapping[tuple[str, int | None], str],
-) -> Iterator[_Change]:
-    """Yield the lines that differ, risk blocks left out."""
-    before = earlier.sources
-    for file in dict.fromkeys((*now, *before)):
-        old, new = _code(before.get(file)), _code(now.get(file))
-        matcher = difflib.SequenceMatcher(
-            None, [text for _, text in old], [text for _, text in new], autojunk=False
-        )
-        for kind, old_first, old_last, first, last in matcher.get_opcodes():
-            gone, come = old[old_first:old_last], new[first:last]
-            if kind == "equal" or not any(text.strip() for _, text in (*gone, *come)):
-                continue
-            line = new[min(first, len(new) - 1)][0] if new else 0
-            was = old[min(old_first, len(old) - 1)][0] if old else 0
-            name = now[file].name if file in now else ""
-            yield _Change(
-                file,
-                _function_at(now.get(file), line),
-                line,
-                f"{earlier.version}:{before[file].name}:{was}" if file in before else "",
-                f"{name}:{line}" if name else "",
-                links.get((name, line), ""),
-                _few(gone),
-                _few(come),
-            )
-
-
-def _code(source: SourceFile | None) -> list[tuple[int, str]]:
-    """Return the lines of a source outside risk blocks, with their numbers."""
-    if source is None:
-        return []
-    blocks = {
-        number for block in source.blocks for number in range(block.first_line, block.last_line + 1)
-    }
-    lines = enumerate(source.text.splitlines(), start=1)
-    return [(number, text.rstrip()) for number, text in lines if number not in blocks]
-
-
-def _function_at(source: SourceFile | None, line: int) -> str:
-    """Return the function with a block whose definition stands last above a line."""
-    above = [] if source is None else [block for block in source.blocks if block.line <= line]
-    if source is None or not above:
-        return ""
-    block = max(above, key=lambda known: known.line)
-    lines = source.text.splitlines()
-    margin = _margin(lines[block.line - 1])
-    between = [text for text in lines[block.line : line] if text.strip()]
-    is_left = any(_margin(text) <= margin and text.strip()[0] not in ")]}#" for text in between)
-    return "" if is_left else block.function
-
-
-def _margin(text: str) -> int:
-    return len(text) - len(text.lstrip())
-
-
-def _few(lines: Sequence[tuple[int, str]]) -> tuple[str, ...]:
-    texts = [text for _, text in lines]
-    if len(texts) <= _MOST_LINES:
-        return tuple(texts)
-    return (*texts[:_MOST_LINES], f"... and {len(texts) - _MOST_LINES} lines more")
