@@ -19,7 +19,7 @@ class CampaignOptions:
     executor: Executor | None = None
     """Whose workers carry out the runs in place of local processes."""
     most_s: float | None = None
-    """After how long no further run begins, [s] of wall time; `None` for no limit."""
+    """After how long it ends, with what was done by then, [s] of wall time; `None` for no limit."""
     shard: tuple[int, int] = (1, 1)
     """Which part of the runs is carried out: (i, n) is every n-th one, from the i-th on."""
     fresh: bool = False

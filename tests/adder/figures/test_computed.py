@@ -314,3 +314,24 @@ def test_holding_that_no_figure_of_a_gripper_counts_is_an_assumption(compute, fi
     lines = compute(trace, figure, "twin: {gripper: true}").assumptions
     told = [line for line in lines if "(15 s in this run) is not counted" in line]
     assert len(told) == (held_s > 0.0 and figure != RATE)
+
+
+def test_time_out_of_use_counts_no_holding(compute):
+    use = Exposure(active_s=16.0, moving_s=1.0, grasping_s=15.0, grasps=1, starts=1)
+    trace = replace(trace_of(("pick", 20.0, {"hand": use}), kind="gripper"), active={"hand": use})
+    figures = ("probability: {value: 2e-8, per: demand}", "standby_rate: {value: 1e-7, per: hour}")
+    lines = compute(trace, *figures, "twin: {gripper: true}").assumptions
+    assert (
+        "part: its figures count demands and the time out of use alone; that it lets go while it "
+        "holds something (15 s in this run) is not counted"
+    ) in lines
+
+
+@pytest.mark.parametrize("is_near", [True, False])
+def test_a_joint_that_is_idle_by_a_value_near_its_threshold_is_an_assumption(compute, is_near):
+    elements = (Element("a", "joint"), Element("b", "joint"))
+    use = {"a": moved(2.0), "b": Exposure(borderline=is_near)}
+    trace = replace(trace_of(("move", 2.0, {"a": moved(2.0)})), elements=elements, active=use)
+    lines = compute(trace, RATE, JOINTS).assumptions
+    told = "b: taken as idle for the whole run, though its torque or motion is within a factor"
+    assert [line.startswith(told) for line in lines] == [True] * is_near

@@ -122,7 +122,8 @@ def test_it_goes_on_and_leaves_nothing(moment, number, workers, whole, tmp_path,
     again = folder.run(*ALONE[:-1], environment={"TMPDIR": str(temporary)})
     assert again.code == 0, again.err
     if moment == "between batches":
-        assert re.search(r"\d+ failures to try, \d+ of them now: 4 are drawn, as", again.err)
+        size = r"6 failures to try, \d of them now: 6 are drawn \(4 were asked for, and each unit"
+        assert re.search(size, again.err)
     assert folder.read("tracerisk.evidence") == whole
     assert not list(temporary.iterdir())
     assert not list(cache.glob("evidence-*"))

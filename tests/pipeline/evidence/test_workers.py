@@ -3,6 +3,7 @@
 import multiprocessing
 import signal
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -42,6 +43,20 @@ def test_a_worker_that_does_not_end_is_killed():
     (worker,) = set(multiprocessing.active_children()) - before
     results.close()
     assert code_of(worker, 20.0) == -signal.SIGKILL
+
+
+def test_a_limit_of_time_holds_in_the_middle_of_a_job():
+    began = time.monotonic()
+    results = list(Workers(jobs=2, most_s=3.0).run(time.sleep, [0.0, HOUR_S, HOUR_S, HOUR_S]))
+    assert time.monotonic() - began < 60.0
+    assert [job for job, _ in results] in ([], [0.0])
+
+
+def test_workers_of_an_executor_end_the_job_that_they_have_begun():
+    with ThreadPoolExecutor(1) as executor:
+        workers = Workers(jobs=2, executor=executor, most_s=0.3)
+        done = [job for job, _ in workers.run(time.sleep, [0.2] * 9)]
+    assert 1 <= len(done) <= 3
 
 
 def test_a_journal_that_cannot_be_written_is_named(tmp_path):

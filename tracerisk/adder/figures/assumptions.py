@@ -103,20 +103,52 @@ def _run_of(names: Sequence[str], all_names: Sequence[str]) -> str:
 
 
 def uncounted_holds(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    """Return for how long each gripper held something whose figures count demands alone."""
+    """Return for how long each gripper held something, where no figure counts that.
+
+    A figure per demand does not, nor one for the time out of use.
+    """
     lines = []
     for bound_component in bound:
         component = bound_component.component
         twin = component.twin
-        is_counted = any(figure.per is not Basis.DEMAND for figure in component.figures)
+        is_counted = any(
+            figure.per is not Basis.DEMAND and not figure.standby for figure in component.figures
+        )
         if twin is None or not twin.gripper or is_counted:
             continue
         uses = [trace.active[name] for name in bound_component.elements if name in trace.active]
         held_s = sum(use.grasping_s for use in uses)
         if held_s > 0.0:
+            counted = "demands"
+            if any(figure.standby for figure in component.figures):
+                counted += " and the time out of use"
             lines.append(
-                f"{component.name}: its figures count demands alone; that it lets go while it "
+                f"{component.name}: its figures count {counted} alone; that it lets go while it "
                 f"holds something ({held_s:.4g} s in this run) is not counted"
+            )
+    return tuple(lines)
+
+
+def borderline(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    """Return the joints that are idle all the time by a value near its threshold.
+
+    Whatever is mounted there counts nothing, and on another arm it may count.
+    """
+    lines = []
+    for element in trace.elements:
+        use = trace.active.get(element.name)
+        if element.kind != "joint" or use is None or use.active_s > 0.0 or not use.borderline:
+            continue
+        mounted = sorted(
+            bound_component.component.name
+            for bound_component in bound
+            if any(name.partition("/")[0] == element.name for name in bound_component.elements)
+        )
+        if mounted:
+            lines.append(
+                f"{element.name}: taken as idle for the whole run, though its torque or motion is "
+                "within a factor of two of the threshold: what is mounted there "
+                f"({', '.join(mounted)}) is not counted"
             )
     return tuple(lines)
 

@@ -19,7 +19,12 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
     profile_next,
 )
-from tracerisk.adder.figures.assumptions import assumptions_of, uncounted, uncounted_holds
+from tracerisk.adder.figures.assumptions import (
+    assumptions_of,
+    borderline,
+    uncounted,
+    uncounted_holds,
+)
 from tracerisk.adder.figures.failure_outcomes import FailureOutcomes, later_functions
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.adder.quantify.component_activity import (
@@ -161,6 +166,7 @@ def compute_blocks(
         *assumptions_of(used),
         *uncounted(trace, bound),
         *uncounted_holds(trace, bound),
+        *borderline(trace, bound),
         *_evidence_words(known, used),
         *((_HOLDING,) if active == "moving" else ()),
     )

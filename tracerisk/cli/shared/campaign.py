@@ -15,7 +15,7 @@ def add_campaign_options(group: argparse._ActionsContainer, thing: str) -> None:
         "--time",
         metavar="SECONDS",
         type=positive,
-        help=f"begin no further {thing} after this; the same command goes on from there",
+        help="end after this, with what was tried by then; the same command goes on from there",
     )
     group.add_argument(
         "-j", "--jobs", metavar="N", type=count, help="processes (default: one a core)"

@@ -32,7 +32,7 @@ from tracerisk.pipeline.evidence.cell_runs import (
     nominal_mission,
     run_batch,
 )
-from tracerisk.pipeline.evidence.draw import Target, draw_cells
+from tracerisk.pipeline.evidence.draw import LEAST_DRAWN, Target, draw_cells
 from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
@@ -191,12 +191,7 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
     if options.fresh:
         plan.journal.unlink(missing_ok=True)
     if todo and len(plan.cells) > plan.declared:
-        here = "" if len(todo) == len(plan.cells) else f", {len(todo)} of them now"
-        noted(
-            f"{len(plan.cells)} failures to try{here}: {plan.declared} are drawn, as asked, and "
-            f"the table of units and modes needs {len(plan.cells) - plan.declared} more; --time "
-            "limits them"
-        )
+        noted(_size(plan, len(todo)))
     began = time.monotonic()
     try:
         with journal(plan.journal) as keep:
@@ -211,11 +206,30 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
                 if done.whole_runs:
                     noted(f"not branched off one run, but run whole: {done.whole_runs[0]}")
     finally:
+        if options.executor is None:
+            # Those of workers that ended in the middle of a batch too.
+            known.update(_of_plan(plan, _journaled(plan.journal)))
         cells = [known[cell.key] for cell in plan.cells if cell.key in known]
         evidence = plan.evidence(cells, before)
         write_evidence(plan.evidence_path, plan.nominal.controller.file, evidence)
     plan.journal.unlink(missing_ok=True)
+    tried = sum(1 for cell in todo if cell.key in known)
+    if options.most_s is not None and tried < len(todo):
+        noted(f"the time is over: {tried} of {len(todo)} failures were tried in it")
     return evidence
+
+
+def _size(plan: Plan, todo: int) -> str:
+    """Return how many failures a plan has, of which so many are to be tried now, and why."""
+    drawn = sum(1 for cell in plan.cells if cell.drawn)
+    here = "" if todo == len(plan.cells) else f", {todo} of them now"
+    asked = "as asked"
+    if drawn > plan.declared:
+        asked = f"{plan.declared} were asked for, and each unit and mode has {LEAST_DRAWN} at least"
+    return (
+        f"{len(plan.cells)} failures to try{here}: {drawn} are drawn ({asked}), and the table of "
+        f"units, modes and functions needs {len(plan.cells) - drawn} more; --time limits them"
+    )
 
 
 def write_evidence(path: Path, controller: str, found: Evidence) -> None:
@@ -340,12 +354,15 @@ def _shares_before(plan: Plan, last: Evidence) -> Mapping[Stratum, float]:
 
 def _known(plan: Plan, last: Evidence | None) -> dict[tuple[str, str, float], Cell]:
     """Return the cells of the plan that were run before, from the file and the journal."""
-    wanted = {cell.key: cell for cell in plan.cells}
     cells: list[Cell] = []
     if last is not None and plan.is_of(last):
         cells += last.cells
-    cells += _journaled(plan.journal)
-    # What a cell stands for is for this plan to say.
+    return _of_plan(plan, [*cells, *_journaled(plan.journal)])
+
+
+def _of_plan(plan: Plan, cells: Sequence[Cell]) -> dict[tuple[str, str, float], Cell]:
+    """Return those cells that a plan has, by their keys; what each stands for the plan says."""
+    wanted = {cell.key: cell for cell in plan.cells}
     return {cell.key: wanted[cell.key].with_outcome(cell) for cell in cells if cell.key in wanted}
 
 

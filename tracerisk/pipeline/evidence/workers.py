@@ -44,7 +44,8 @@ class Workers:
     executor: Executor | None = None
     """Whose workers do the jobs in place of local processes."""
     most_s: float | None = None
-    """After how long no further job begins, [s] of wall time."""
+    """After how long no further job begins, [s] of wall time, and local processes end in the middle
+    of theirs; the workers of an executor end those that they have begun."""
     folder: Path | None = None
     """A folder for temporary files of local processes.
 
@@ -76,13 +77,19 @@ class Workers:
             pending: dict[Future[R], J] = {}
             try:
                 while left or pending:
-                    is_over = self.most_s is not None and time.monotonic() - began >= self.most_s
-                    while left and len(pending) < 2 * workers and not is_over:
+                    left_s = None if self.most_s is None else self.most_s + began - time.monotonic()
+                    if left_s is not None and left_s <= 0.0:
+                        if self.executor is None:
+                            return
+                        left.clear()
+                        pending = {job: of for job, of in pending.items() if not job.cancel()}
+                    while left and len(pending) < 2 * workers:
                         pending[pool.submit(function, left[0])] = left[0]
                         left.pop(0)
                     if not pending:
                         return
-                    for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    limit_s = None if self.executor is not None else left_s
+                    for future in wait(pending, limit_s, return_when=FIRST_COMPLETED).done:
                         result = future.result()
                         done += 1
                         yield pending.pop(future), result
