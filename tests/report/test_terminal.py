@@ -212,10 +212,10 @@ def test_at_most_five_components_are_shown_the_greatest_first(assessment):
 
 def test_readings_of_one_figure_are_named_and_others_stand_side_by_side(assessment):
     lines = render_assessment(assessment).splitlines()
-    assert "The readings agree: geometric cycles, 1 fixed cycle, as executed." in lines
+    assert "The readings agree: geometric cycles, fixed cycles, as executed." in lines
     mission = replace(assessment.mission, geometric_cycles=5e-8)
     text = render_assessment(replace(assessment, mission=mission))
-    assert "Geometric cycles 5.00e-08; 1 fixed cycle 2.50e-08; as executed 2.50e-08: they" in text
+    assert "Geometric cycles 5.00e-08; fixed cycles 2.50e-08; as executed 2.50e-08: they" in text
 
 
 def test_findings_and_assumptions_of_caller_and_model_are_all_shown(assessment):

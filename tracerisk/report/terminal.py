@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.hybrid.assessment import (
-    FIXED,
     GEOMETRIC,
     Assessment,
     ComponentImportance,
@@ -216,9 +215,8 @@ def _readings(assessment: Assessment) -> str:
 
 
 def _fixed_cycles(mission: MissionFigures) -> str:
-    is_one = mission.expected_cycles is not None and mission.expected_cycles < 1.5
-    if mission.expected_cycles is None or (mission.reading == FIXED and is_one):
-        # The mission is not its entry's rounds: each loop has a number of its own.
+    if mission.expected_cycles is None or mission.expected_cycles < 1.5:
+        # The mission is not its entry's rounds, or one of them: each loop has a number of its own.
         return "fixed cycles"
     return counted(mission.expected_cycles, "fixed cycle")
 

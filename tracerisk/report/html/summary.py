@@ -184,11 +184,10 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
 def _fixed_cycles(mission: MissionFigures) -> tuple[str, str]:
     """Return the name of the reading with fixed cycles, and how often one of them fails."""
     cycle = mission.cycle_failure_probability
-    if cycle is None or mission.expected_cycles is None:
+    cycles = figures.count(mission.expected_cycles or 1.0)
+    if cycle is None or cycles == "1":
         return "fixed cycles", ""
-    cycles = figures.count(mission.expected_cycles)
-    name = f"{cycles} fixed cycle{'' if cycles == '1' else 's'}"
-    return name, f"each fails with {figures.probability(cycle)}"
+    return f"{cycles} fixed cycles", f"each fails with {figures.probability(cycle)}"
 
 
 def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:
