@@ -162,11 +162,15 @@ def test_rests_that_one_constant_shifts_are_one_sentence_with_its_direction():
     before = outcome(*(rest(x, y) for x, y in places))
     higher = outcome(rest(0.1), *(lifted(x, y, 0.1) for x, y in places[1:]))
     changes = outcome_changes(before, higher)
-    assert changes.lost == ("4 rests of 5 are now 100 mm higher: 2 to 5",)
+    assert changes.lost == (
+        "4 rests of 5 are now 100 mm higher: 2 to 5, the first at (0.200, 0.100, 0.300) m",
+    )
     assert changes.result  # the last rest, which is one of them
     aside = outcome(*(rest(x, y - 0.04 * (y in (0.1, 0.3))) for x, y in places))
     changes = outcome_changes(before, aside)
-    assert changes.lost == ("2 rests of 5 are now 40 mm away, by (0, -40, 0) mm: 2, 4",)
+    assert changes.lost == (
+        "2 rests of 5 are now 40 mm away, by (0, -40, 0) mm: 2, 4, the first at (0.200, 0.100, 0.300) m",
+    )
     assert changes.is_other_way
     both = outcome(*before.rests[:1], lifted(0.2, 0.1, 0.1), rest(0.3, 0.16), *before.rests[3:])
     assert len(outcome_changes(before, both).lost) == 2
@@ -466,6 +470,20 @@ def test_a_use_of_a_gripper_that_both_runs_have_comes_more_or_less_often():
     less = outcome_changes(after, WHOLE).lost
     assert f"hand opens one time less, {place}" in less
     assert "hand no longer grips cup_2" in less
+
+
+def test_where_an_object_is_no_longer_set_down_on_its_way_comes_first():
+    take, put = (rest(0.5), grip(0.2, "cup")), (rest(-0.5, 0.3), grip(1.0))
+    scale = (rest(0.1, 0.2), grip(1.0), rest(0.1, 0.2), grip(0.2, "cup"))
+    weighed = outcome(HOME, *take, *scale, *put, HOME, objects=[thing()])
+    straight = outcome(HOME, *take, *put, HOME, objects=[thing()])
+    changes = outcome_changes(weighed, straight)
+    assert changes.lost[0] == "cup is no longer set down at (0.100, 0.200, 0.300) m"
+    assert not any("set down" in line for line in outcome_changes(straight, weighed).of_mission)
+    # Elsewhere is another rest, and no set-down less.
+    aside = (rest(0.2, 0.2), grip(1.0), rest(0.2, 0.2), grip(0.2, "cup"))
+    other = outcome(HOME, *take, *aside, *put, HOME, objects=[thing()])
+    assert not any("set down" in line for line in outcome_changes(weighed, other).of_mission)
 
 
 def test_of_an_object_that_was_not_moved_before_it_is_said_where_it_ends():

@@ -14,18 +14,13 @@ from functools import cached_property
 
 from tracerisk.common.outcome.alignment import aligned
 from tracerisk.common.outcome.moved_rests import MovedRest, moved_together, rest_name
-from tracerisk.common.outcome.outcome import (
-    CellUse,
-    GripperUse,
-    Outcome,
-    Rest,
-    Step,
-)
+from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, Rest, Step
 from tracerisk.common.outcome.result_changes import (
     VERBS,
     cell_changes,
     millimetres,
     newly_moved,
+    not_set_down,
     object_changes,
 )
 from tracerisk.common.outcome.step_words import (
@@ -185,9 +180,9 @@ class _Comparison:
         added: list[str] = []
         for gone, come in self._gaps():
             self._gap(gone, come, lost, added)
-        lost = [self._moved_together.get(sentence, sentence) for sentence in lost]
         told = {moved_rest.words for moved_rest in self._moved_ends.values()}
-        lost = [sentence for sentence in lost if sentence not in told]
+        lost = [self._moved_together.get(words, words) for words in lost if words not in told]
+        lost = [*not_set_down(self._old, self._new), *lost] if lost else lost
         added += self._other_postures()
         lost += self._moved_uses()
         lost += self._other_ways.values()

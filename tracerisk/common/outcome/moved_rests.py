@@ -103,7 +103,8 @@ def _sentence(alike: Sequence[MovedRest]) -> str:
     by = ", ".join(f"{1000.0 * value + 0.0:.0f}" for value in shift)
     now = _up_or_down(shift) or f"{millimetres(math.hypot(*shift))} away, by ({by}) mm"
     numbers = _numbers(sorted(rest.number for rest in alike))
-    return f"{len(alike)} rests{of} are now {now}: {numbers}"
+    first = position_words(min(alike, key=lambda rest: rest.number).old.tool_m)
+    return f"{len(alike)} rests{of} are now {now}: {numbers}, the first at {first}"
 
 
 def _up_or_down(shift: Position) -> str:

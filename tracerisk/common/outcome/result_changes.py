@@ -6,9 +6,16 @@ import math
 from collections.abc import Iterator
 
 from tracerisk.common.outcome.arm import Position
-from tracerisk.common.outcome.outcome import CellCount, ObjectOutcome, Outcome
+from tracerisk.common.outcome.outcome import (
+    CellCount,
+    GripperUse,
+    ObjectOutcome,
+    Outcome,
+    Rest,
+)
 from tracerisk.common.outcome.tolerances import ROUNDING, Tolerances, is_same_content
 
+_SET_DOWN_M = 0.05  # how near two places are at which an object is set down on one thing
 VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"}
 """What happens to an interface of the cell when it is used, by the kind of use."""
 
@@ -132,6 +139,41 @@ def _held(found: ObjectOutcome) -> str:
 
 def _times(number: int) -> str:
     return {0: "never", 1: "once", 2: "twice"}.get(number, f"{number} times")
+
+
+def not_set_down(old: Outcome, new: Outcome) -> Iterator[str]:
+    """Yield where an object is no longer set down on its way, whatever became of it in the end.
+
+    Only what is set down less often counts: elsewhere is another rest. What is never set down any
+    more is said to be no longer moved, or held.
+    """
+    before, after = set_downs(old), set_downs(new)
+    for name, places in before.items():
+        left = list(after.get(name, ()))
+        for place in places if 0 < len(left) < len(places) else ():
+            same = next((other for other in left if math.dist(place, other) <= _SET_DOWN_M), None)
+            if same is None:
+                yield f"{name} is no longer set down at {position_words(place)}"
+            else:
+                left.remove(same)
+
+
+def set_downs(outcome: Outcome) -> dict[str, list[Position]]:
+    """Return where the only arm let go of each object, in order; nothing of several arms."""
+    places: dict[str, list[Position]] = {}
+    if len(outcome.arms) != 1 or outcome.left_out:
+        return places
+    held: dict[str, str] = {}
+    tool_m: Position | None = None
+    for step in outcome.steps:
+        if isinstance(step, Rest):
+            tool_m = step.tool_m
+        elif isinstance(step, GripperUse):
+            was = held.get(step.gripper, "")
+            if was and not step.holds and tool_m is not None:
+                places.setdefault(was, []).append(tool_m)
+            held[step.gripper] = step.holds
+    return places
 
 
 def newly_moved(old: Outcome, new: Outcome, limits: Tolerances) -> tuple[str, ...]:
