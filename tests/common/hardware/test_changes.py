@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.common.hardware.changes import description_changes, moved_units
+from tracerisk.common.hardware.changes import description_changes, figure_ratios, moved_units
 from tracerisk.common.hardware.formats import read_description
 
 MOTOR = """\
@@ -120,6 +120,27 @@ def test_another_data_sheet_is_a_change_though_its_rate_is_the_same(tmp_path: Pa
     (line,) = changes(*paths)
     assert "at 40 degC" in line
     assert "2.1e-07/h of 2.1e-07 at 55 degC" in line
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "ratio"),
+    [
+        ("value: 2.1e-7, per: hour, source: IEC", "value: 4.2e-7, per: hour, source: ISO", 2.0),
+        ("quantity: 7", "quantity: 6", None),
+        ("IEC 61709", "IEC 61709:2017", None),
+        # Where more than the figure differs, nobody knows how much each does.
+        ("value: 2.1e-7, per: hour, source: IEC 61709}\n    quantity: 7",
+         "value: 4.2e-7, per: hour, source: IEC 61709}\n    quantity: 6", None),
+        ("per: hour", "per: minute", None),
+    ],
+)  # fmt: skip
+def test_one_ratio_of_all_figures_is_known(tmp_path: Path, was, now, ratio):
+    before, after = tmp_path / "before.yaml", tmp_path / "after.yaml"
+    assert was in MOTOR
+    before.write_text(MOTOR)
+    after.write_text(MOTOR.replace(was, now))
+    found = figure_ratios(read_description(before), read_description(after))
+    assert found == ({} if ratio is None else {"motor": pytest.approx(ratio)})
 
 
 def test_the_same_rate_in_fit_is_no_change(tmp_path: Path):

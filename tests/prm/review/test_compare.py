@@ -46,6 +46,29 @@ def test_the_same_blocks_differ_in_nothing(version):
     assert {each.status for each in diff.functions} == {"unchanged"}
 
 
+@pytest.mark.parametrize(("rate", "kept"), [(2.0, ("code",)), (3.0, ())])
+def test_the_hardwares_figure_and_all_else_are_changes_apart(version, rate, kept):
+    """Of a probability that is 3 times as high, twice by the data; at 3 times nothing is left."""
+    before = version(pick=([("motor", 2e-7, 7)], {"done": 1}))
+    after = version(pick=([("motor", 6e-7, 7)], {"done": 1}))
+
+    def cause(_):
+        return ("code", "hardware")
+
+    diff = compare(before, after, name="c.py", cause_of=cause, rated={"motor": rate})
+    assert sorted(change.causes for change in diff.changes) == sorted(
+        [("hardware",), *([kept] if kept else [])]
+    )
+    by_cause = {change.causes: change.contribution for change in diff.changes}
+    base = before.figures.mission.failure_probability
+    assert by_cause["hardware",] == pytest.approx((rate - 1.0) * base, rel=1e-5)
+    if kept:
+        assert by_cause[kept] == pytest.approx(0.5 * base, rel=1e-5)
+    assert {share.kinds for share in diff.causes} == {("hardware data",), *([kept] if kept else [])}
+    whole = compare(before, after, name="c.py", cause_of=cause)
+    assert [change.causes for change in whole.changes] == [("code", "hardware")]
+
+
 def test_one_figure_that_doubles_contributes_all_of_the_change(version, exact):
     before = version(pick=PICK, place=PLACE)
     after = version(pick=PICK, place=([("gripper", 6e-7)], PLACE[1]))

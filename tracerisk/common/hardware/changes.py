@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -39,6 +40,35 @@ def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
             ]
             lines += [f"{_placed(new[name])}: {line}" for line in changes]
     return tuple(lines)
+
+
+def figure_ratios(before: Hardware, after: Hardware) -> dict[str, float]:
+    """Return the ratio of later to earlier figures of each component, where it is one for all.
+
+    Components that differ in anything else but sources are left out, and so are those with wear-out
+    by Weibull, whose figure is no rate.
+    """
+    old = {component.name: component for component in before.components}
+    ratios = {}
+    for component in after.components:
+        earlier = old.get(component.name)
+        if earlier is None or len(earlier.figures) != len(component.figures):
+            continue
+        pairs = list(zip(earlier.figures, component.figures, strict=True))
+        same = replace(component, figures=earlier.figures, source=earlier.source)
+        if same != earlier or not all(_is_rate(was, now) for was, now in pairs):
+            continue
+        first = pairs[0][1].value / pairs[0][0].value
+        is_one = all(math.isclose(now.value, first * was.value) for was, now in pairs)
+        if is_one and first != 1.0:
+            ratios[component.name] = first
+    return ratios
+
+
+def _is_rate(was: FailureFigure, now: FailureFigure) -> bool:
+    """Return whether two figures are of one kind, and a failure grows with their value alone."""
+    kinds = [(one.kind, one.per, one.standby, one.demand) for one in (was, now)]
+    return kinds[0] == kinds[1] and was.kind != "weibull" and was.value > 0.0 < now.value
 
 
 def moved_units(before: Hardware, after: Hardware) -> dict[str, tuple[str, ...]]:

@@ -236,6 +236,7 @@ def difference(
         cause_of=cause_finder(controller.before, controller.after, functions),
         inputs=input_changes(controller.before, controller.after),
         moved=_moved(controller),
+        rated=_rated(controller),
     )
     verdicts = None
     names = {**_renamed_without_block(controller, renamed), **renamed}
@@ -295,6 +296,16 @@ def _moved(controller: ReviewedController) -> dict[str, tuple[str, ...]]:
     from tracerisk.common.hardware.changes import moved_units  # few changes touch it
 
     return {**moved_units(new, old), **moved_units(old, new)}
+
+
+def _rated(controller: ReviewedController) -> dict[str, float]:
+    """Return the ratio of later to earlier figures of components in the hardware description."""
+    old, new = controller.before.hardware, controller.after.hardware
+    if old is None or new is None:
+        return {}
+    from tracerisk.common.hardware.changes import figure_ratios  # few changes touch it
+
+    return figure_ratios(old, new)
 
 
 def _renamed_without_block(

@@ -15,8 +15,15 @@ from tracerisk.adder.blocks.values import (
     QUANTITY,
     FieldKind,
     component_fields,
+    computed_probability,
 )
-from tracerisk.prm.review.change_records import NOISE, ChangedField, ChangeKind, is_noise
+from tracerisk.prm.review.change_records import (
+    NOISE,
+    Cause,
+    ChangedField,
+    ChangeKind,
+    is_noise,
+)
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
 from tracerisk.prm.review.risk_diff import ratio_of
@@ -57,6 +64,40 @@ def component_items(before: RiskVersion, after: RiskVersion) -> tuple[list[Compo
             items += result
             noisy += quiet
     return items, noisy
+
+
+def parted(item: ComponentItem, ratio: float | None) -> list[ComponentItem]:
+    """Return a change of a probability in two: by the hardware's figure, and by all else.
+
+    `ratio` is that of the figure, `None` where no one is known. A part that is noise is left out;
+    a change with one cause stays whole.
+    """
+    first = item.field
+    others = tuple(cause for cause in first.causes if cause != "hardware")
+    has_both = "hardware" in first.causes and bool(others)
+    if ratio is None or item.kind != "probability" or item.ratio is None or not has_both:
+        return [item]
+    rest = item.ratio / ratio
+    if is_noise(1.0, ratio) or rest in (0.0, math.inf):
+        return [item]
+    parts = [_scaled(item, ratio, ("hardware",))]
+    return parts if is_noise(1.0, rest) else [*parts, _scaled(item, rest, others)]
+
+
+def _scaled(item: ComponentItem, ratio: float, causes: tuple[Cause, ...]) -> ComponentItem:
+    """Return the change of a probability by a ratio alone."""
+    field = item.field
+    function, component = field.function, str(field.component)
+
+    def edit(parts: ModelParts) -> None:
+        held = parts.components[function]
+        was = held[component].probability
+        held[component] = replace(
+            held[component], probability=replace(was, value=min(1.0, was.value * ratio))
+        )
+
+    after = computed_probability(min(1.0, float(field.before or 0.0) * ratio)).text
+    return ComponentItem("probability", (replace(field, after=after, causes=causes),), ratio, edit)
 
 
 def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:

@@ -27,6 +27,7 @@ from tracerisk.prm.review.component_changes import (
     alike,
     component_items,
     failure_words,
+    parted,
 )
 from tracerisk.prm.review.contributions import contribution
 from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
@@ -52,12 +53,14 @@ def compare(
     cause_of: CauseOf,
     inputs: tuple[str, ...] = (),
     moved: Mapping[str, Sequence[str]] | None = None,
+    rated: Mapping[str, float] | None = None,
 ) -> RiskDiff:
     """Return the difference in risk between two versions of one controller.
 
     `renamed` gives the later name of functions by their earlier one; `name` and `was` are those
     of the controller. `inputs` lists what the runs behind the blocks depended on that differs.
-    `moved` gives the other components of the units of one that only one version has.
+    `moved` gives the other components of the units of one that only one version has, `rated` the
+    ratio of later to earlier figures of components in the hardware description.
     A version is `None` where it has no blocks.
     The contribution of a change is F(before with only that change) - F(before), with F the
     mission's failure probability; `interaction` is what the contributions leave of
@@ -76,7 +79,7 @@ def compare(
             earlier, after = earlier.read_as_geometric(), after.read_as_geometric()
         points = _new_single_points(earlier, after, moved or {})
         marks = _Marks(earlier, after, points, moved or {})
-        changes, causes, noisy = _changes(earlier, after, marks, cause_of)
+        changes, causes, noisy = _changes(earlier, after, marks, cause_of, rated or {})
         total = _mission(after) - _mission(earlier)
         interaction = total - math.fsum(change.contribution or 0.0 for change in changes)
     return RiskDiff(
@@ -107,7 +110,11 @@ class _Part(NamedTuple):
 
 
 def _changes(
-    before: RiskVersion, after: RiskVersion, marks: _Marks, cause_of: CauseOf
+    before: RiskVersion,
+    after: RiskVersion,
+    marks: _Marks,
+    cause_of: CauseOf,
+    rated: Mapping[str, float],
 ) -> tuple[tuple[RiskChange, ...], tuple[CauseShare, ...], int]:
     def explained(field: ChangedField) -> ChangedField:
         """Return a change with its cause: a user's pin, else what the caller knows."""
@@ -122,6 +129,7 @@ def _changes(
     items, quiet = component_items(before, after)
     flows = [item._replace(field=explained(item.field)) for item in flows]
     items = [item._replace(fields=tuple(map(explained, item.fields))) for item in items]
+    items = [part for item in items for part in parted(item, rated.get(str(item.field.component)))]
     parts = _solved([_component_part(group, marks) for group in alike(items)], before)
     of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], before)
     if any(entry.change.contribution is None for entry in of_flow):
