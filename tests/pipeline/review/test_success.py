@@ -68,7 +68,9 @@ def test_a_looser_success_is_the_first_thing_said_in_every_output(cell, is_run):
     assert page.count("pick.py must do less: ") == 2
     repository.run("diff", "HEAD", "--sarif", "alerts.sarif")
     results = json.loads(repository.read("alerts.sarif"))["runs"][0]["results"]
-    assert any("no longer asks cup" in result["message"]["text"] for result in results)
+    (result,) = (one for one in results if "no longer asks cup" in one["message"]["text"])
+    place = result["locations"][0]["physicalLocation"]
+    assert (place["artifactLocation"]["uri"], place["region"]["startLine"]) == ("cell.yaml", 1)
 
 
 def test_a_gate_stops_it(cell):

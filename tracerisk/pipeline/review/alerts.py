@@ -117,11 +117,13 @@ def review_alerts(review: Review) -> tuple[Alert, ...]:
     for diff in review.controllers:
         alerts += _faults(diff)
         first_line = Location(diff.name, 1)
-        lines = [f"`success` no longer asks {asked}" for asked in diff.asked_less]
-        lines += () if diff.outcome is None else diff.outcome.of_mission
+        declared = diff.success_place or first_line
+        lines = [(f"`success` no longer asks {asked}", declared) for asked in diff.asked_less]
+        outcome = () if diff.outcome is None else diff.outcome.of_mission
+        lines += [(line, first_line) for line in outcome]
         alerts += [
-            _alert("changed-outcome", line, first_line, subject=_FIGURE.sub("#", line))
-            for line in lines
+            _alert("changed-outcome", line, place, subject=_FIGURE.sub("#", line))
+            for line, place in lines
         ]
         for check in diff.lost_checks:
             (line,) = of_checks(review, [check])

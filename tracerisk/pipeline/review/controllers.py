@@ -12,7 +12,7 @@ from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.outcome.kept import OUTCOME, kept_changes, kept_outcome
-from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.freshness.known_controllers import has_digest
 from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated, is_within
@@ -29,6 +29,7 @@ from tracerisk.pipeline.review.version_inputs import (
     recorded_sources,
     scenario_of,
     success_of,
+    success_place,
 )
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 
@@ -59,6 +60,8 @@ class ControllerVersion(NamedTuple):
     success: tuple[Condition, ...] | None = ()
     """What `success` of its scenario declares; empty unless the two versions differ in the
     scenario or the outcome, `None` where that cannot be read."""
+    success_place: Location | None = None
+    """Where that stands, from the top; `None` where it is not looked up or has no file."""
     inputs: RunInputs | None = None
     """What its run depended on, as the version has it; `None` where no lock knows a run."""
     is_refused: bool = False
@@ -323,7 +326,9 @@ def _with_success(
         return versions[0]._replace(success=success), versions[1]._replace(success=success)
     return (
         versions[0]._replace(success=success_of(before, old)),
-        versions[1]._replace(success=success_of(after, new)),
+        versions[1]._replace(
+            success=success_of(after, new), success_place=success_place(after, new)
+        ),
     )
 
 

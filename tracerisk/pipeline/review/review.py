@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.answers.changed_checks import ChangedCheck, changed_checks
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.history.many_at_once import shared_out
@@ -171,17 +171,16 @@ class _Shown:
             modules={self.name(file): source for file, source in version.modules.items()},
             folder=self.name(version.folder),
             hardware=None if version.hardware is None else self._hardware(version.hardware),
+            success_place=self._place(version.success_place),
         )
+
+    def _place(self, place: Location | None) -> Location | None:
+        return None if place is None else replace(place, file=self.name(place.file))
 
     def _hardware(self, hardware: Hardware) -> Hardware:
         """Return a description with places as they are shown."""
         components = (
-            component
-            if component.location is None
-            else replace(
-                component,
-                location=replace(component.location, file=self.name(component.location.file)),
-            )
+            replace(component, location=self._place(component.location))
             for component in hardware.components
         )
         return replace(hardware, file=self.name(hardware.file), components=tuple(components))
@@ -227,6 +226,7 @@ def difference(
             functions,
             (controller.before.sources, controller.after.sources),
         )
+    moved, rated = _in_descriptions(controller)
     diff = compare(
         before,
         after,
@@ -235,8 +235,8 @@ def difference(
         renamed=renamed,
         cause_of=cause_finder(controller.before, controller.after, functions),
         inputs=input_changes(controller.before, controller.after),
-        moved=_moved(controller),
-        rated=_rated(controller),
+        moved=moved,
+        rated=rated,
     )
     verdicts = None
     names = {**_renamed_without_block(controller, renamed), **renamed}
@@ -271,6 +271,7 @@ def difference(
             else evidence_change(controller.before, controller.after)
         ),
         asked_less=asked[0],
+        success_place=controller.after.success_place,
         asked_otherwise=asked[1],
         asked_newly=asked[2],
     )
@@ -288,24 +289,20 @@ def _hardware_changes(controller: ReviewedController) -> tuple[str, ...]:
     return description_changes(old, new)
 
 
-def _moved(controller: ReviewedController) -> dict[str, tuple[str, ...]]:
-    """Return the other components of the units of each component that only one version has."""
+def _in_descriptions(
+    controller: ReviewedController,
+) -> tuple[dict[str, tuple[str, ...]], dict[str, float]]:
+    """Return what two hardware descriptions say of one component in another way.
+
+    The other components of the units of each that only one version has, and the ratio of later to
+    earlier figures of each that has one.
+    """
     old, new = controller.before.hardware, controller.after.hardware
     if old is None or new is None:
-        return {}
-    from tracerisk.common.hardware.changes import moved_units  # few changes touch it
+        return {}, {}
+    from tracerisk.common.hardware.changes import figure_ratios, moved_units  # few changes touch it
 
-    return {**moved_units(new, old), **moved_units(old, new)}
-
-
-def _rated(controller: ReviewedController) -> dict[str, float]:
-    """Return the ratio of later to earlier figures of components in the hardware description."""
-    old, new = controller.before.hardware, controller.after.hardware
-    if old is None or new is None:
-        return {}
-    from tracerisk.common.hardware.changes import figure_ratios  # few changes touch it
-
-    return figure_ratios(old, new)
+    return {**moved_units(new, old), **moved_units(old, new)}, figure_ratios(old, new)
 
 
 def _renamed_without_block(

@@ -15,7 +15,7 @@ from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.hardware.source_files import has_sysml_name
 from tracerisk.common.settings.settings_file import loads_toml
 from tracerisk.config import Settings
-from tracerisk.errors import SettingsError, TraceRiskError
+from tracerisk.errors import Location, SettingsError, TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.check.check import given_options
@@ -196,6 +196,17 @@ def success_of(run: RunOfVersion, scenario: ScenarioOfVersion) -> tuple[Conditio
             return read_scenario(top / path).success
     except TraceRiskError:
         return None
+
+
+def success_place(run: RunOfVersion, scenario: ScenarioOfVersion) -> Location | None:
+    """Return where a scenario declares `success`, else its first line; `None` without its file."""
+    path = run.path_of(scenario.name) if scenario.name else None
+    content = None if path is None else run.version.file(path)
+    if path is None or content is None:
+        return None
+    lines = content.splitlines()
+    starts = (number for number, line in enumerate(lines, start=1) if line.startswith(b"success:"))
+    return Location(path, next(starts, 1))
 
 
 def _code(

@@ -83,6 +83,8 @@ class RiskDiff:
     """What `success` of the scenario asks in place of what it asked, one sentence each."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
+    success_place: Location | None = None
+    """Where the later version declares `success`; `None` unless the scenarios differ."""
 
     @property
     def is_comparable(self) -> bool:
