@@ -188,6 +188,20 @@ def test_a_command_that_is_refused_at_the_instant_of_the_next_came_before_it():
     assert (reaction.noticed_s, reaction.is_other_way) == (None, False)
 
 
+@pytest.mark.parametrize("kind", ["message", "goal"])
+def test_commands_that_a_driver_takes_no_more_are_the_same_to_a_controller_that_looks_at_nothing(
+    kind,
+):
+    """An arm with an error moves no further, whatever the controller sends; it has seen nothing."""
+    refused = [
+        replace(command(0, line, at_s, end="ignored"), kind=kind, elements=(), after=2)
+        for line, at_s in ((12, 2.5), (13, 2.6))
+    ]
+    failed = replace(recorded(10, 11), refused=tuple(refused))
+    reaction = reaction_to(NOMINAL, made(failed, end=ended("ended", 2.7)), 1.2)
+    assert (reaction.noticed_s, reaction.is_other_way) == (None, False)
+
+
 def test_another_command_that_is_refused_is_another_way():
     refused = replace(command(0, 40, 2.5, end="refused"), elements=(), after=2)
     failed = replace(recorded(10, 11, command(3, 13, 2.5)), refused=(refused,))

@@ -61,14 +61,13 @@ class _Step:
     def is_as(self, other: _Step) -> bool:
         """Return whether it is the same command of the control flow.
 
-        One that was refused addresses nothing, whatever it was to move.
+        One that was refused addresses nothing, whatever it was to move, and has another kind: the
+        lines of its stack say which it is.
         """
-        mine, theirs = self.command.elements, other.command.elements
-        return (
-            self.lines == other.lines
-            and self.command.kind == other.command.kind
-            and (mine == theirs or not (mine and theirs))
-        )
+        mine, theirs = self.command, other.command
+        is_refused = not (mine.elements and theirs.elements)
+        is_alike = mine.kind == theirs.kind and mine.elements == theirs.elements
+        return self.lines == other.lines and (is_refused or is_alike)
 
 
 @dataclass(frozen=True, slots=True)
