@@ -517,7 +517,8 @@ def test_the_reason_of_a_verdict_is_one_of_that_verdict_and_only_those_are_count
 def test_a_reason_in_a_helper_names_the_line_that_called_it_and_moves_with_it():
     aborted = replace(move(1.0, end="aborted"), called_from=Location("cell.py", 131))
     (reason,) = judge(recorded(commands=(aborted,))).open_reasons
-    assert ", called from line 131, at 1.0 s)" in str(reason)
+    # It is aborted when it ends, whenever it was issued.
+    assert ", called from line 131, at 2.0 s)" in str(reason)
     refused = replace(
         finding("planning_failure", function="move"), called_from=Location("other.py", 7)
     )

@@ -13,6 +13,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from markupsafe import Markup
 
+from tests.report.html.conftest import HOSTILE
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.common.text.printable import without_controls
@@ -206,6 +207,25 @@ def test_nothing_is_fetched_and_the_policy_knows_the_script_and_style(document):
         assert f"'sha256-{base64.b64encode(digest).decode()}'" in policy
     assert not document.xpath("//@style")
     assert not re.search(r"url\((?!#)", document.xpath("//style")[0].text)
+
+
+def test_each_printed_sheet_says_what_it_belongs_to(report_of, arm):
+    page = render_report(report_of(arm))
+    foot = re.search(r'@page \{ @bottom-left \{ content: "([^"]*)"; \} \}', page)
+    assert foot is not None
+    figure = re.search(r"Risk of arm\.py: (\d\.\d{3}e-\d\d)$", foot[1])
+    assert figure is not None
+    assert 'counter(page) " of " counter(pages)' in page
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_name_at_the_foot_of_a_sheet_ends_no_string_and_no_style(report_of, arm, name):
+    page = render_report(report_of(replace(arm, name=name)))
+    style = page[page.index("<style>") + 7 : page.index("</style>")]
+    foot = style[style.rindex("@page") :]
+    assert re.fullmatch(
+        r'@page \{ @bottom-left \{ content: "(\\[0-9a-f]{6}|[^"\\<>])*"; \} \}', foot
+    )
 
 
 def test_a_source_is_shown_line_by_line_with_its_blocks(arm, report_of, parsed):

@@ -163,13 +163,17 @@ def _of_end(run: RecordedRun) -> Iterator[Reason]:
         )
 
 
-def _command_reason(code: str, words: str, command: IssuedCommand, object_name: str) -> Reason:
+def _command_reason(
+    code: str, words: str, command: IssuedCommand, object_name: str, *, at_end: bool = False
+) -> Reason:
+    """Return a reason about a command, at the instant of its end or else of its issue."""
+    is_over = at_end and command.end_s is not None
     return _reason(
         code,
         words,
         function=command.function,
         object_name=object_name,
-        time_s=command.issue_s,
+        time_s=command.end_s if is_over else command.issue_s,
         location=command.location,
         called_from=command.called_from,
     )
@@ -190,7 +194,7 @@ def _of_commands(run: RecordedRun) -> Iterator[Reason]:
             else f"a command to {', '.join(command.elements)} was aborted"
         )
         name = finding.object if finding and finding.object else ", ".join(command.elements)
-        yield _command_reason("command-aborted", words, command, name)
+        yield _command_reason("command-aborted", words, command, name, at_end=True)
 
 
 def _of_unfinished(run: RecordedRun) -> Iterator[Reason]:

@@ -21,14 +21,23 @@ _HERE = Path(__file__).parent
 _POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy" content="([^"]*)">')
 
 
-def page(title: str, lead: Markup, sections: Sequence[Section], *, connects: bool = False) -> str:
+def page(
+    title: str,
+    lead: Markup,
+    sections: Sequence[Section],
+    *,
+    connects: bool = False,
+    sheet: str = "",
+) -> str:
     """Return the page, the same for the same sections.
 
     `lead` stands before the sections: the headline and what belongs to it. A page that `connects`
-    may ask the server that it came from.
+    may ask the server that it came from. `sheet` says at the foot of each printed sheet what it
+    belongs to; the title if "".
     """
     script = "\n".join(_function_of(js) for js in (asset("core.js"), *_each(sections, "js")))
-    style = "\n".join((asset("page.css"), *_each(sections, "css")))
+    foot = f"@page {{ @bottom-left {{ content: {_css_string(sheet or title)}; }} }}"
+    style = "\n".join((asset("page.css"), *_each(sections, "css"), foot))
     for part, ends in ((script, ("</script", "<!--")), (style, ("</style",))):
         for end in ends:
             if end in part.lower():
@@ -98,6 +107,15 @@ def _attribute(name: str, value: object) -> Markup:
 def _each(sections: Sequence[Section], kind: str) -> list[str]:
     """Return the styles or scripts of the sections, each once, for two may share one."""
     return list(dict.fromkeys(text for section in sections if (text := getattr(section, kind))))
+
+
+def _css_string(text: str) -> str:
+    """Return text as a string of a style, in which nothing ends it, the line or the element."""
+    plain = without_controls(" ".join(text.split()))
+    kept = (
+        char if char.isalnum() or char in " .,:;()/_-" else f"\\{ord(char):06x}" for char in plain
+    )
+    return f'"{"".join(kept)}"'
 
 
 def _function_of(script: str) -> str:

@@ -20,7 +20,7 @@ from tracerisk.report.html.run.brought_about import brought_about_section
 from tracerisk.report.html.run.contact_pairs import touches_section
 from tracerisk.report.html.run.timeline import NAME as RUN
 from tracerisk.report.html.sources import sources_section
-from tracerisk.report.html.summary import lead
+from tracerisk.report.html.summary import lead, sheet
 
 
 def render_report(report: ReportInput) -> str:
@@ -46,4 +46,5 @@ def render_report(report: ReportInput) -> str:
     )
     shown = tuple(section for section in sections if section is not None)
     connects = any(section.is_bare for section in shown)
-    return page(f"Risk of {report.model.name}", lead(report), shown, connects=connects)
+    title = f"Risk of {report.model.name}"
+    return page(title, lead(report), shown, connects=connects, sheet=sheet(report, title))

@@ -45,6 +45,16 @@ def lead(report: ReportInput) -> Markup:
     )
 
 
+def sheet(report: ReportInput, title: str) -> str:
+    """Return what a loose sheet of the printed page belongs to: the figure and the commit."""
+    figure = figures.probability(report.assessment.mission.failure_probability)
+    commit = None if report.record is None else report.record.commit
+    text = f"{title}: {figure}" + (", not of a mission that went well" if _of_what(report) else "")
+    if commit is None:
+        return text
+    return f"{text}; commit {commit.id[:10]}" + (", with changes" if commit.changed else "")
+
+
 def _verdict(report: ReportInput) -> tuple[str, str]:
     """Return the kind of a verdict for its chip, and what its line says beyond it.
 
