@@ -118,7 +118,9 @@ BAD = {
         "    # |   quantity = 7\n",
         "<<<<<<< HEAD\n    # |   quantity = 7\n=======\n    # |   quantity = 6\n>>>>>>> theirs\n",
         11,
-        "`<<<<<<< HEAD` is a conflict marker; resolve the merge, then run the same command again",
+        "`<<<<<<< HEAD` is a conflict marker; resolve the merge (keep either side of a risk block: "
+        "`tracerisk refresh` makes it and a lock with conflicts anew), then run the same command "
+        "again",
     ),
     "conflict markers behind the gutter": (
         "    # |   quantity = 7\n",

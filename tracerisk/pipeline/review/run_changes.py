@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _OTHER_DELAY, _OTHER_DELAY_S = 1.5, 0.2
 """A delay is another one that is longer by this share and by so many seconds [s]."""
 _QUANTILE = 1.645
+_FEW = 10
+"""Fewer tries on a side say little, though they differ by more than chance at the 10 % level."""
 _COUNTED: Mapping[str, Callable[[Cell], bool]] = {
     "is undetected": lambda cell: cell.is_undetected,
     "is noticed by the controller": lambda cell: cell.noticed_by is not None,
@@ -80,7 +82,8 @@ def _of_modes(before: Evidence, after: Evidence) -> Iterator[str]:
             if _differ(was, now, is_so)
         ]
         if counts:
-            yield f"{what} now {'; '.join(counts)}"
+            few = "; with so few tries it may be chance" if min(len(was), len(now)) < _FEW else ""
+            yield f"{what} now {'; '.join(counts)}{few}"
 
 
 def _by_mode(found: Evidence) -> dict[tuple[str, str], list[Cell]]:
