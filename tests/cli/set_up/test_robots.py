@@ -49,6 +49,10 @@ def test_one_robot_is_shown_with_all_that_it_has(example):
     for controller in robot.controllers:
         assert f"{controller.name}/" in outcome.out
     assert robot.source in outcome.out
+    # The maker's own figure for the tool centre point is 0.1034 m.
+    (arm,) = [line for line in outcome.out.splitlines() if line.startswith("  panda_arm: panda")]
+    assert arm.endswith("; tip panda_link8, panda_hand closes at (0.000, 0.000, 0.103) m from it")
+    assert outcome.out.count(" closes at ") == 2
 
 
 def test_the_sensors_of_a_robot_are_listed_with_their_place_and_topics(example):

@@ -218,7 +218,7 @@ def _described(robot: Robot) -> list[str]:
     lines += ["", "groups:"]
     for name, group in robot.groups.items():
         tip = "" if group.tip_link is None else f"; tip {group.tip_link}"
-        lines.append(f"  {name}: {', '.join(group.joints)}{tip}")
+        lines.append(f"  {name}: {', '.join(group.joints)}{tip}{_grasps(robot, name)}")
     lines += ["", "named states:"]
     lines += [f"  {group}: {', '.join(states)}" for group, states in robot.named_states.items()]
     if not robot.named_states:
@@ -237,6 +237,21 @@ def _described(robot: Robot) -> list[str]:
     if touch:
         lines.append(f"  contact force on {touch}")
     return [*lines, "", f"source: {robot.source}"]
+
+
+def _grasps(robot: Robot, group: str) -> str:
+    """Return where grippers close, as the tip of an arm sees it: a pose goal is that of the tip."""
+    from tracerisk.twin.robots.gripper_ends import grasp_from
+
+    tip, joints = robot.groups[group].tip_link, set(robot.groups[group].joints)
+    if tip is None or any(joints & set(gripper.joints) for gripper in robot.grippers):
+        return ""
+    places = []
+    for gripper in robot.grippers:
+        if gripper.pads and joints & {joint.name for joint in robot.above(gripper.pads[0])}:
+            x, y, z = (round(value, 3) + 0.0 for value in grasp_from(robot, gripper, tip))
+            places.append(f"{gripper.name} closes at ({x:.3f}, {y:.3f}, {z:.3f}) m from it")
+    return "".join(f", {place}" for place in places)
 
 
 def _joint_rows(robot: Robot) -> list[tuple[str, str, str, str, str, str, str]]:

@@ -114,6 +114,16 @@ def pad_centres(robot: Robot, gripper: Gripper, at: Mapping[str, float]) -> tupl
     return tuple(centres)
 
 
+def grasp_from(robot: Robot, gripper: Gripper, link: str) -> tuple[float, float, float]:
+    """Return where the pads meet when they close, as a link sees it [m]; joints are at 0."""
+    closed = gripper_ends(robot, gripper).closed
+    at = {name: gripper.sign(name) * closed for name in gripper.joints}
+    middle = np.mean(pad_centres(robot, gripper, at), axis=0)
+    origin, *ends = (_in_base(robot, link, point, at) for point in (np.zeros(3), *np.eye(3)))
+    x, y, z = (float((end - origin) @ (middle - origin)) for end in ends)
+    return x, y, z
+
+
 def _in_base(robot: Robot, link: str, point: Matrix, at: Mapping[str, float]) -> Matrix:
     """Return a point of a link as the robot's base sees it."""
     for joint in robot.above(link):
