@@ -116,6 +116,25 @@ def test_a_stale_trace_is_not_shown_and_the_page_says_why(kept):
     ) in reported(document, "coverage")
 
 
+def test_of_a_run_that_is_not_kept_the_page_shows_what_the_lock_and_the_description_know(
+    kept, monkeypatch
+):
+    (trace,) = (kept.folder / ".tracerisk_cache").glob("*.json")
+    trace.unlink()
+    monkeypatch.setattr(
+        "tracerisk.cli.reviewers.report.is_installed", lambda name: name != "mujoco"
+    )
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    document = parsed(kept)
+    assert "hardware" in sections(document)
+    assert "electric_motor" in reported(document, "hardware")
+    # Nothing here could run it.
+    assert (
+        "The trace of its last run is not kept on this machine. With the .tracerisk_cache of where "
+        "it ran, as CI keeps one, the page shows it"
+    ) in reported(document, "coverage")
+
+
 def test_a_replay_that_is_not_kept_is_missed_with_the_command_that_keeps_it(kept):
     (replay,) = (kept.folder / ".tracerisk_cache").glob("*.replay")
     data = replay.read_bytes()

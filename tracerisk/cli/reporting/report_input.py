@@ -122,6 +122,7 @@ def report_input(
     sources: Mapping[str, bytes],
     *,
     run: RunShown | str,
+    described: Hardware | None = None,
     review: Review | None = None,
     both_runs: SideBySide | str = "",
     compared: ComparedSources | None = None,
@@ -135,7 +136,8 @@ def report_input(
 ) -> ReportInput:
     """Return what a page is made of; `sources` map the files with blocks, as messages call them.
 
-    `run` is what is known of the run behind them, or why nothing is; `verdicts` are those of the
+    `run` is what is known of the run behind them, or why nothing is, and `described` the hardware
+    description that is known without it; `verdicts` are those of the
     controllers, and `verdict` their lines. `more` sections follow those of the run, `band` says how
     far the figure may be off, and `unpassed` what a check does not let pass; it `is_outrun` where
     the blocks are not those of a run of the files that are here now.
@@ -157,9 +159,13 @@ def report_input(
         is_outrun=is_outrun,
         record=record,
     )
-    if isinstance(run, str):
-        return replace(report, no_trace=run)
     blocks = [block for _, block in blocks_of(sources)]
+    if isinstance(run, str):
+        report = replace(report, no_trace=run)
+        if described is None:
+            return report
+        known = run_figures(assessment, described, (), blocks)
+        return replace(report, hardware=described, figures=known)
     return replace(
         report,
         trace=run.trace,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk import api
+from tracerisk.adder.lock.lock import lock_key
 from tracerisk.cli.reporting.against import (
     add_against,
     add_earlier_run,
@@ -35,6 +36,8 @@ from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict
 from tracerisk.common import trace_json
+from tracerisk.common.dependencies import is_installed
+from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import ExitCode, InputError, Location, SourceError, TraceRiskError
@@ -53,6 +56,7 @@ from tracerisk.report.html.run.replay import check_recording
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from tracerisk.common.hardware.model import Hardware
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.pipeline.check.finding import CheckFinding
     from tracerisk.prm.review.risk_diff import Review
@@ -188,11 +192,13 @@ def _write_page(
         lines.append(f"--profile gives other shares than the block of {named}, so another mission")
     more = history_shown(options.files[0]) if options.history else ()
     run = _run_of(kept, trace, recorded, options)
+    described = _described(kept) if isinstance(run, str) else None
     page = report_input(
         assessment,
         model,
         sources,
         run=run,
+        described=described,
         review=review,
         both_runs=both,
         compared=compared_sources(
@@ -329,6 +335,18 @@ def _run_of(
     return run_shown(kept.trace, _settings(kept, options), kept, recorded)
 
 
+def _described(kept: KeptRun | None) -> Hardware | None:
+    """Return the hardware description of a run that the lock knows and that is not kept here.
+
+    Raises HardwareError where it is malformed.
+    """
+    if kept is None or not kept.fingerprint:
+        return None
+    lock, controller = kept.controller.project.lock, kept.controller
+    entry = lock.controllers[lock_key(controller.path, controller.root)]
+    return load_hardware(kept.settings, str(entry.trace.get("robot", "")))
+
+
 def _recorded(
     options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
 ) -> RecordedRun | str:
@@ -358,8 +376,13 @@ def _recorded(
 
 
 def _remedy(kept: KeptRun, then: str) -> str:
-    """Return the command after which the page shows what it lacks of a run, and says so."""
+    """Return the command after which the page shows what it lacks of a run, and says so.
+
+    Without the simulator it is none that would run here.
+    """
     path = kept.controller.path
+    if not is_installed("mujoco"):
+        return f"With the .tracerisk_cache of where it ran, as CI keeps one, {then}"
     with_options = ", with the options of that run," if kept.has_options else ""
     return f"After `tracerisk run {path}`{with_options} {then}"
 
