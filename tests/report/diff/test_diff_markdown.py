@@ -188,6 +188,8 @@ def test_verdicts_come_before_the_sentence_only_where_something_is_wrong(differe
     assert "| complete, 1 of 1 |" in fine
     wrong = render_diff_markdown(review_of(replace(diff, verdicts=RunVerdicts(good, bad))))
     assert wrong.splitlines()[1].startswith("faulted: raised happened")
+    # Of what ran before it failed nobody is to read a figure of missions.
+    assert "| 1.000e-07<br>one in 10,000,000 | 2.000e-07 | not comparable |" in wrong
 
 
 def test_old_and_new_hardware_figures_stand_before_the_table(difference, review_of):

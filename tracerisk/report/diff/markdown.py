@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from tracerisk.common.text.one_in import one_in
+from tracerisk.common.verdict import Verdict
 from tracerisk.prm.review.change_records import NOISE, FunctionFigures
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.diff import sentences, titled_lists, wording
@@ -126,17 +127,18 @@ def _of_failure(diff: RiskDiff, name: str) -> str:
 
 def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
     old, new = wording.mission_figures(diff)["mission failure"]
-    name = wording.name_of(diff)
+    name, runs = wording.name_of(diff), diff.verdicts
     return (
         escaped(name) if diff.after is None else links.file(name, diff.name),
-        _NONE if old is None else _figure(old),
-        _NONE if new is None else _figure(new),
+        _NONE if old is None else _figure(old, runs.before if runs else None),
+        _NONE if new is None else _figure(new, runs.after if runs else None),
         wording.compared(diff, old, new),
     )
 
 
-def _figure(probability: float) -> str:
-    often = one_in(probability)
+def _figure(probability: float, verdict: Verdict | None) -> str:
+    """Return a figure with how many missions it is one in; not so that of a run gone wrong."""
+    often = None if verdict is not None and verdict.is_bad else one_in(probability)
     return wording.probability(probability) + (f"<br>{often}" if often else "")
 
 

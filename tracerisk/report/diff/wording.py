@@ -65,7 +65,12 @@ def mission_figures(diff: RiskDiff) -> dict[str, tuple[float | None, float | Non
 
 
 def has_cycles(diff: RiskDiff) -> bool:
-    """Return whether a version has cycles, whose figure is another one than the mission's."""
+    """Return whether a version has cycles, whose figure is another one than the mission's.
+
+    Of stale blocks that are as they were, no figure of the later version is known.
+    """
+    if diff.stale and diff.is_unchanged:
+        return False
     missions = [mission for mission in (diff.before, diff.after) if mission is not None]
     return any(
         mission.cycle_failure_probability is not None
