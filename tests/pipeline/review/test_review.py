@@ -417,3 +417,15 @@ def test_a_branch_that_has_moved_on_is_named_with_its_figure(repository, two_ste
         out = repository.run("diff", "main...side", "--format", form, "--silent-below", "9").out
         assert "main has moved on since" in " ".join(out.split())[:200]
     assert review(["main..side"], repository.folder).moved_on == ()
+
+
+def test_a_step_that_is_a_helper_now_is_not_said_to_be_removed(repository, annotated_source):
+    source = annotated_source(pick=("place 1", "motor = 1e-7"), place=("done 1", "gripper = 2e-7"))
+    repository.write("pick.py", source)
+    repository.commit()
+    alone = annotated_source(pick=("done 1", "motor = 1e-7"))
+    repository.write("pick.py", f"{alone}\n\ndef place(arm):\n    arm.go()\n")
+    assert only(review([], repository.folder)).without_step == ("place",)
+    assert "place (no step of its own any more)" in repository.run("diff").out
+    repository.write("pick.py", alone)
+    assert "place (removed)" in repository.run("diff").out

@@ -135,6 +135,20 @@ def _pairs(
     }
 
 
+def without_step(
+    before: Mapping[str, FunctionSource],
+    after: Mapping[str, FunctionSource],
+    sources: Mapping[str, bytes],
+) -> tuple[str, ...]:
+    """Return the functions that had a block and are still there without one, by their names.
+
+    `sources` are the files of the later version.
+    """
+    gone = {name: function for name, function in before.items() if name not in after}
+    codes = _codes({function.file for function in gone.values()}, sources) if gone else {}
+    return tuple(sorted(name for name, one in gone.items() if (one.file, one.name) in codes))
+
+
 def _codes(files: Iterable[str], sources: Mapping[str, bytes]) -> dict[tuple[str, str], str]:
     """Return what each function does, as text without its name, by file and qualified name."""
     codes = {}

@@ -34,6 +34,7 @@ from tracerisk.pipeline.review.renamed_functions import (
     FunctionSource,
     renamed_functions,
     renamed_without_block,
+    without_step,
 )
 from tracerisk.pipeline.review.run_changes import (
     evidence_changes,
@@ -219,13 +220,12 @@ def difference(
     before, old = _built(controller.before, controller.name, versions and versions[0])
     after, new = _built(controller.after, controller.name, versions and versions[1])
     functions = {} if after is None else _functions(after, new)
-    renamed = {}
+    renamed: dict[str, str] = {}
+    without: tuple[str, ...] = ()
     if before is not None and after is not None:
-        renamed = renamed_functions(
-            _functions(before, old),
-            functions,
-            (controller.before.sources, controller.after.sources),
-        )
+        earlier, sources = _functions(before, old), controller.after.sources
+        renamed = renamed_functions(earlier, functions, (controller.before.sources, sources))
+        without = without_step(earlier, functions, {**controller.after.modules, **sources})
     moved, rated = _in_descriptions(controller)
     diff = compare(
         before,
@@ -272,6 +272,7 @@ def difference(
         ),
         asked_less=asked[0],
         success_place=controller.after.success_place,
+        without_step=without,
         asked_otherwise=asked[1],
         asked_newly=asked[2],
     )

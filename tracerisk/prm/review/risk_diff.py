@@ -83,6 +83,8 @@ class RiskDiff:
     """What `success` of the scenario asks in place of what it asked, one sentence each."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
+    without_step: tuple[str, ...] = ()
+    """Functions with a block of the earlier version that are still there, and have none now."""
     success_place: Location | None = None
     """Where the later version declares `success`; `None` unless the scenarios differ."""
 

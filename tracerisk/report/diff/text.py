@@ -113,14 +113,14 @@ def _functions(diff: RiskDiff, room: int) -> Iterator[str]:
         ]
         before, after, ratio = _cells(*tops)
         cells = (before, after, ratio if diff.is_comparable else "")
-        yield from _row(f"    {_name(function_change)}", cells, room)
+        yield from _row(f"    {_name(diff, function_change)}", cells, room)
         yield from _wrapped(f"      {_visits(function_change)}", room, hanging=6)
     yield ""
 
 
-def _name(function: FunctionChange) -> str:
+def _name(diff: RiskDiff, function: FunctionChange) -> str:
     if function.was is None and function.status in ("added", "removed"):
-        return f"{function.name} ({function.status})"
+        return f"{function.name} ({wording.status_of(diff, function)})"
     return wording.name_of(function)
 
 

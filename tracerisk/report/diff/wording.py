@@ -212,6 +212,12 @@ def name_of(changed: RiskDiff | FunctionChange) -> str:
     return changed.name if changed.was is None else f"{changed.name} (was {changed.was})"
 
 
+def status_of(diff: RiskDiff, function: FunctionChange) -> str:
+    """Return what became of a function, in words."""
+    is_there = function.status == "removed" and function.name in diff.without_step
+    return "no step of its own any more" if is_there else function.status
+
+
 def pins(review: Review, diff: RiskDiff) -> list[str]:
     """Return what became of each value that a user set, and where that is."""
     return [

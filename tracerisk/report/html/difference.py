@@ -158,7 +158,7 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
 def _functions(name: str, diff: RiskDiff) -> Table:
     rows = tuple(
         row_of(
-            Cell(wording.name_of(function), note=function.status),
+            Cell(wording.name_of(function), note=wording.status_of(diff, function)),
             *_of_function(function.before),
             *_of_function(function.after),
             function=function.name,
