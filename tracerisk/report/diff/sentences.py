@@ -57,9 +57,10 @@ def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = F
     return f"{lead}. The greatest change: {said(changed[0])}."
 
 
-def whole_headline(review: Review) -> str:
-    """Return the headline, behind which controllers must do less."""
-    return " ".join((*(f"{line}." for line in warnings(review)), headline(review)))
+def whole_headline(review: Review, *, below_verdicts: bool = False) -> str:
+    """Return the headline, behind which controllers must do less; see `headline`."""
+    said = headline(review, below_verdicts=below_verdicts)
+    return " ".join((*(f"{line}." for line in warnings(review)), said))
 
 
 def _other_mission(diff: RiskDiff) -> str:

@@ -35,7 +35,7 @@ def lead(report: ReportInput) -> Markup:
         agreement=agreement,
         counts=_counts(report),
         end=_end(report),
-        since=sentences.whole_headline(report.review) if report.review is not None else "",
+        since=_since(report),
         outcome=report.outcome,
         no_trace=report.no_trace,
         # What stands beside the headline is the replay, which colours the arm by its risk.
@@ -43,6 +43,13 @@ def lead(report: ReportInput) -> Markup:
         if any(section.beside for section in report.sections)
         else [],
     )
+
+
+def _since(report: ReportInput) -> str:
+    """Return what changed, without the fault that stands in the verdict above; empty for none."""
+    if report.review is None:
+        return ""
+    return sentences.whole_headline(report.review, below_verdicts=bool(report.verdict))
 
 
 def sheet(report: ReportInput, title: str) -> str:
@@ -91,13 +98,12 @@ def _headline(report: ReportInput) -> tuple[str, str, str]:
 
 def _of_what(report: ReportInput) -> str:
     """Return of what the figure is, if not of a mission of these files that went well."""
-    if report.is_outrun:
-        return "Of the blocks, which are not those of a run of these files: "
     for name, verdict in report.verdicts.items():
         if verdict is not None and verdict.is_bad:
             whose = f" of {name}" if _is_named(report) else ""
             return f"Of what ran, for the run{whose} is {verdict.kind}: "
-    return ""
+    is_outrun = report.is_outrun
+    return "Of the blocks, which are not those of a run of these files: " if is_outrun else ""
 
 
 def _begun(sentence: str) -> str:
