@@ -119,8 +119,7 @@ BAD = {
         "<<<<<<< HEAD\n    # |   quantity = 7\n=======\n    # |   quantity = 6\n>>>>>>> theirs\n",
         11,
         "`<<<<<<< HEAD` is a conflict marker; resolve the merge (keep either side of a risk block: "
-        "`tracerisk refresh` makes it and a lock with conflicts anew), then run the same command "
-        "again",
+        "`tracerisk refresh ",
     ),
     "conflict markers behind the gutter": (
         "    # |   quantity = 7\n",

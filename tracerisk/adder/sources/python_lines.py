@@ -136,8 +136,8 @@ def _forbid_conflict_markers(source: bytes, file: str) -> None:
         if is_conflict_marker(text):
             raise BlockError(
                 f"`{text}` is a conflict marker; resolve the merge (keep either side of a risk "
-                "block: `tracerisk refresh` makes it and a lock with conflicts anew), then run the "
-                "same command again",
+                f"block: `tracerisk refresh {file}` makes it and a lock with conflicts anew), then "
+                "run the same command again",
                 Location(file, number),
             )
 
