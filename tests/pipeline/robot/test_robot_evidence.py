@@ -196,6 +196,29 @@ def test_states_of_which_a_robot_has_none_are_those_of_another_configuration(
     assert (robot.name, robot.assumes_names) == ("panda", is_assumed)
 
 
+ARM = 'arm = MoveGroupCommander("{}")\n'
+
+
+@pytest.mark.parametrize(
+    ("asks", "is_assumed"),
+    [
+        (ARM.format("manipulator"), True),
+        ('goal.request.group_name = "r2_arm"\n', True),
+        ('PLANNING_GROUP = "manipulator"\n', True),
+        ('arm = MoveIt2(node=self, group_name="manipulator")\n', True),
+        (ARM.format("panda_arm") + ARM.format("franka_gripper"), True),
+        # Two arms, and a hand beside the robot's own.
+        (ARM.format("panda_arm") + ARM.format("manipulator"), False),
+        (ARM.format("panda_arm") + ARM.format("hand") + ARM.format("gripper"), False),
+        (ARM.format("panda_arm"), False),
+        ("arm.go(wait=True)\n", False),
+    ],
+)
+def test_a_group_of_another_name_means_the_only_one_of_its_kind(tmp_path, asks, is_assumed):
+    robot = of_source(tmp_path, f'names = ["panda_joint1", "panda_arm"]\n{asks}').robot
+    assert (robot.name, robot.assumes_names) == ("panda", is_assumed)
+
+
 def test_a_prefix_before_all_joints_of_an_arm_is_before_its_links_too(tmp_path):
     joints = [f"left_{name}" for name in UR]
     robot = of_source(tmp_path, f'joints = {joints}\ntip = "left_tool0"\nname = "ur5e"\n').robot

@@ -247,7 +247,31 @@ def test_an_unknown_field_type_names_the_field(tmp_path: Path):
         Interfaces({"my_msgs": folder}).message("my_msgs/Bad")
 
 
-@pytest.mark.parametrize("make", [Interfaces, lambda own: Interfaces2(workspace=own)])
+OF_EITHER_ROS = pytest.mark.parametrize(
+    "make", [Interfaces, lambda own: Interfaces2(workspace=own)]
+)
+
+
+@OF_EITHER_ROS
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Arm_Interface/Pos__Rot tip\nstring mode",
+        "Pos__Rot tip\nstring mode\n",
+        "\ufeffPos__Rot tip\nstring mode\n",
+        "# a tip\r\n\r\nPos__Rot\ttip\t# where it is\r\nstring mode#its mode\r\n",
+    ],
+)
+def test_names_and_line_ends_are_read_as_ros_reads_them(tmp_path: Path, make, text):
+    folder = tmp_path / "Arm_Interface" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Pos__Rot.msg").write_text("float64 x\n")
+    (folder / "State.msg").write_bytes(text.encode())
+    state = make({"Arm_Interface": folder.parent}).message("Arm_Interface/State")()
+    assert (state.tip.x, state.mode) == (0.0, "")
+
+
+@OF_EITHER_ROS
 def test_comments_that_are_not_utf_8_are_passed_over(tmp_path: Path, make):
     folder = tmp_path / "my_msgs"
     for kind, text in (("msg", b"float64 x # 20 \xb0C\n"), ("srv", b"# \xe4\n---\nbool ok\n")):

@@ -27,6 +27,7 @@ from tracerisk.twin.robots.added_gripper import (
     with_assumed_gripper,
     with_finger_joint,
 )
+from tracerisk.twin.robots.assumed_names import HAND
 from tracerisk.twin.robots.generic import NAME as GENERIC
 from tracerisk.twin.robots.generic import names_asked
 from tracerisk.twin.robots.robot import is_model_file
@@ -122,6 +123,30 @@ def with_groups_of(
         (of_grippers if is_of_gripper else own).update(known)
     is_of_another = len({*states} - of_grippers) > 1 and own.isdisjoint(states)
     return replace(robot, assumes_names=is_of_another or words_in(strings).isdisjoint(robot.groups))
+
+
+def with_groups_asked(robot: Robot, asked: Collection[str]) -> Robot:
+    """Return a robot; it assumes names where a program asks for groups that can mean but one.
+
+    These are a group of another name than the only one of the arm, or of the gripper. Who names
+    the robot's own group of that kind too, means another arm, or has mistaken himself.
+    """
+    fingers = {joint for gripper in robot.grippers for joint in gripper.joints}
+    arms, grippers = {}, {}
+    for name, group in robot.groups.items():
+        joints = frozenset(group.joints)
+        if joints <= fingers:
+            grippers[name] = joints
+        else:
+            # An arm has a group with its hand as well.
+            arms[name] = joints - fingers
+    hands = {name for name in asked if HAND.search(name) and "arm" not in name.lower()}
+    pairs = ((hands, grippers), ({*asked} - hands, arms))
+    unknown = [(named, own) for named, own in pairs if named - robot.groups.keys()]
+    is_meant = all(
+        len({*own.values()}) == 1 and own.keys().isdisjoint(named) for named, own in unknown
+    )
+    return replace(robot, assumes_names=True) if unknown and is_meant else robot
 
 
 def equipped(robot: Robot, controller: Controller) -> Robot:

@@ -7,7 +7,12 @@ from dataclasses import replace
 
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import LaunchChoice
-from tracerisk.pipeline.robot.choice import RobotChoice, equipped, with_groups_of
+from tracerisk.pipeline.robot.choice import (
+    RobotChoice,
+    equipped,
+    with_groups_asked,
+    with_groups_of,
+)
 from tracerisk.pipeline.robot.evidence import (
     DESCRIBED,
     DRIVER,
@@ -19,7 +24,7 @@ from tracerisk.pipeline.robot.evidence import (
 )
 from tracerisk.pipeline.robot.gathering import Gathered, Gathering
 from tracerisk.pipeline.robot.installed_descriptions import installed_in
-from tracerisk.pipeline.robot.speech import states_asked_of, strings_of
+from tracerisk.pipeline.robot.speech import groups_asked_of, states_asked_of, strings_of
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
@@ -152,6 +157,7 @@ class _Search:
     def _shipped_robot(self, name: str, gathered: Gathered) -> Robot:
         states = states_asked_of(self._speeches)
         robot = with_groups_of(load_robot(name), strings_of(self._speeches), states)
+        robot = with_groups_asked(robot, groups_asked_of(self._speeches))
         reason = _reason(name, gathered)
         if gathered.prefix:
             robot = with_prefix(robot, gathered.prefix)
@@ -197,6 +203,7 @@ class _Search:
             doubts.append(f"{found.key} is a gripper alone, which may be on an arm: {named}")
         reason = f"{reason}{installed_in(found.files, self._gathering.workspace.prefixes)}"
         robot = _doubted(replace(robot, chosen_by=reason), doubts)
+        robot = with_groups_asked(robot, groups_asked_of(self._speeches))
         return RobotChoice(equipped(robot, self._whole), files=found.files)
 
     def _unknown(self, ranking: Ranking, unreadable: Sequence[str]) -> RobotChoice:

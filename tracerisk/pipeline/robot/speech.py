@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules, source_bytes
 from tracerisk.pipeline.workspace.project import Project
@@ -28,6 +29,14 @@ _STATE_CALLS = (
     "set_start_state",
 )
 _STATE_ARGUMENTS = ("configuration_name", "name")
+# What is given the name of a planning group: classes and calls of MoveIt and of libraries on it,
+# arguments, and fields of requests.
+_GROUP_CALLS = frozenset(
+    {"MoveGroupCommander", "MoveGroupInterface", "get_group", "get_planning_component"}
+)
+_GROUP_NAMES = frozenset(
+    {"group", "group_name", "gripper_group_name", "planning_group", "move_group_name"}
+)
 
 
 @dataclass(frozen=True)
@@ -95,6 +104,27 @@ def states_asked_of(speeches: Iterable[Speech]) -> frozenset[str]:
                 )
     remembered = asked.pop("remember_joint_values")
     return frozenset().union(*asked.values()) - remembered
+
+
+def groups_asked_of(speeches: Iterable[Speech]) -> frozenset[str]:
+    """Return the planning groups that some sources ask for by name."""
+    asked: set[str] = set()
+    for speech in speeches:
+        for node in ast.walk(speech.tree or ast.Module([], [])):
+            values: list[ast.expr | None] = []
+            if isinstance(node, ast.Call):
+                is_group = last_name(node.func) in _GROUP_CALLS
+                values = [*node.args[:1]] if is_group else []
+                values += [word.value for word in node.keywords if word.arg in _GROUP_NAMES]
+            elif isinstance(node, ast.Assign):
+                names = {last_name(target).lower() for target in node.targets}
+                values = [node.value] if names & _GROUP_NAMES else []
+            asked |= {
+                value.value
+                for value in values
+                if isinstance(value, ast.Constant) and isinstance(value.value, str)
+            }
+    return frozenset(asked) - {""}
 
 
 def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tuple[Speech, ...]:

@@ -21,6 +21,7 @@ from pathlib import Path
 from types import CodeType, FrameType, MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from tracerisk.errors import InputError
 from tracerisk.ros.graph.runtime import running
 from tracerisk.ros.imports.cfg_modules import cfg_module
 from tracerisk.ros.imports.compiled_modules import compiled_module
@@ -221,7 +222,7 @@ class _MissingRosFinder(MetaPathFinder):
     ) -> ModuleSpec | None:
         if path is not None:
             if fullname.startswith("pymoveit2.robots."):
-                from tracerisk.ros.imports.fork_robots import robot_of_a_fork
+                from tracerisk.ros.imports.pymoveit2_releases import robot_of_a_fork
 
                 return robot_of_a_fork(fullname)
             return cfg_module(fullname, path) or compiled_module(fullname, path)
@@ -339,7 +340,12 @@ class _InterfaceModule(ModuleType):
         return list(self._interfaces.module_names(self._package, self._kind))
 
     def _make(self, name: str) -> Any:
-        return self._interfaces.interface(self._package, self._kind, name)
+        try:
+            return self._interfaces.interface(self._package, self._kind, name)
+        except InputError as error:
+            # No build makes a module of such a text.
+            message = f"{self._package}/{name} cannot be built: {error}"
+            raise ModuleNotFoundError(message, name=self.__name__) from error
 
 
 def _package(spec: ModuleSpec, *, kinds: Sequence[str]) -> ModuleType:

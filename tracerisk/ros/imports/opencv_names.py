@@ -9,11 +9,8 @@ without contributed modules. Noetic and Humble come with an OpenCV that has the 
 from __future__ import annotations
 
 import contextlib
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
-from importlib.util import find_spec
+from collections.abc import Callable, Iterator
+from functools import partial
 from sys import _getframe
 from types import ModuleType
 from typing import Any
@@ -21,6 +18,7 @@ from typing import Any
 from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.imports.once_loaded import once_loaded
 
 _RENAMED = {
     "Dictionary_get": "getPredefinedDictionary",
@@ -39,58 +37,11 @@ _ENTER_NS = 1_000_000_000  # until it is pressed
 @contextlib.contextmanager
 def served_opencv_names() -> Iterator[None]:
     """Serve names of `cv2.aruco` that are gone, with a note, and windows that do not open."""
-    with contextlib.ExitStack() as undo:
-        finder = _Finder(undo)
-        sys.meta_path.insert(0, finder)
-        undo.callback(sys.meta_path.remove, finder)
-        before = sys.modules.get("cv2")
-        if before is not None:
-            _serve(before, undo)
+    with contextlib.ExitStack() as undo, once_loaded("cv2", partial(_serve, undo)):
         yield
 
 
-class _Finder(MetaPathFinder):
-    """Finds OpenCV where it is installed, and adds the names once it is loaded."""
-
-    def __init__(self, undo: contextlib.ExitStack) -> None:
-        self._undo = undo
-        self._is_looking = False
-
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        del path, target
-        # It loads a compiled module of its own name.
-        if fullname != "cv2" or self._is_looking:
-            return None
-        self._is_looking = True
-        try:
-            spec = None if "cv2" in sys.modules else find_spec("cv2")
-        finally:
-            self._is_looking = False
-        if spec is not None and spec.loader is not None:
-            spec.loader = _Loader(spec.loader, self._undo)
-        return spec
-
-
-class _Loader(Loader):
-    def __init__(self, real: Any, undo: contextlib.ExitStack) -> None:
-        self._real = real
-        self._undo = undo
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._real, name)
-
-    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        made: ModuleType | None = self._real.create_module(spec)
-        return made
-
-    def exec_module(self, module: ModuleType) -> None:
-        self._real.exec_module(module)
-        _serve(sys.modules.get("cv2", module), self._undo)
-
-
-def _serve(cv2: ModuleType, undo: contextlib.ExitStack) -> None:
+def _serve(undo: contextlib.ExitStack, cv2: ModuleType) -> None:
     windows = {name: window for name, window in _windows().items() if name in vars(cv2)}
     undo.callback(vars(cv2).update, {name: vars(cv2)[name] for name in windows})
     vars(cv2).update(windows)

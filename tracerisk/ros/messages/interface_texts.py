@@ -22,6 +22,7 @@ from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
+    from rosbags.typesys.msg import MSGParser
 
 _SEPARATOR = "---"
 _ARCHIVE = Path(__file__).with_name("interfaces.txt")
@@ -114,7 +115,7 @@ def interface_text(definition: Definition) -> str:
     """Return the text of a definition; letters that are not UTF-8 can only stand in comments."""
     if isinstance(definition, InterfaceText):
         return definition.text
-    return file_text(definition, errors="replace")
+    return file_text(definition, encoding="utf-8-sig", errors="replace")
 
 
 @cache
@@ -124,9 +125,21 @@ def parsed(text: str, name: str) -> Any:
     Raises:
         rosbags.typesys.TypesysError: the text is no definition.
     """
-    from rosbags.typesys import get_types_from_msg
+    from rosbags.typesys.base import make_typesdict
 
-    return get_types_from_msg(text, name)[name]
+    return make_typesdict(_parser()(f"MSG: {name}\n{text}").specification())[name]
+
+
+@cache
+def _parser() -> type[MSGParser]:
+    """Return a parser that takes each name that ROS does: rosbags wants packages in small letters.
+
+    The names are those of ros/genmsg src/genmsg/names.py, is_legal_resource_base_name.
+    """
+    from rosbags.typesys.msg import MSGParser
+
+    name = r"[A-Za-z]\w*"
+    return type("Parser", (MSGParser,), {"PackageName": name, "MessageName": name})
 
 
 def canonical(text: str, package: str, *, is_ros1: bool) -> str:

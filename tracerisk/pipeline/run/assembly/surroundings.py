@@ -29,6 +29,7 @@ from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
+from tracerisk.ros.imports.pymoveit2_releases import served_older_releases
 from tracerisk.ros.imports.python_names import removed_python_names
 from tracerisk.ros.robot.bring_up.answered_commands import answered_commands
 from tracerisk.ros.time.patches import virtual_time
@@ -77,6 +78,7 @@ def controller_surroundings(
         removed_numpy_names(),
         removed_python_names(request.distro.name),
         served_opencv_names(),
+        served_older_releases(),
         virtual_time(world.scheduler, seed=request.seed, note=not_simulated),
         scripted_input(_answers(request, world, graph, watches)),
         prepared_controller(
