@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import InputError
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros2 import Interfaces2, copy_message, snake_case
 
 
@@ -272,3 +274,17 @@ def test_modules_are_named_as_rosidl_does():
         "joint_state",
         "float64_multi_array",
     ]
+
+
+def test_a_field_that_is_guessed_holds_what_the_program_gives_it():
+    interfaces = Interfaces2(rules=DistroRules("humble"))
+    text = "float64 width\nfloat64[] steps\ngeometry_msgs/Pose place\n"
+    interfaces.also([InterfaceText("rg_msgs", "msg", "Output", text)])
+    output = interfaces.message("rg_msgs/Output")
+    message = output(steps=["a"])
+    message.width, message.place = 400, (1, 2)
+    sent = copy_message(message)
+    assert (sent.width, list(sent.steps), sent.place) == (400, ["a"], (1, 2))
+    assert output().place.position.x == 0.0
+    with pytest.raises(AssertionError):
+        interfaces.message("std_msgs/Float64")(data=400)

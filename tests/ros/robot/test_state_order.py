@@ -7,6 +7,7 @@ import pytest
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.robot.state_order import StateOrder, unordered
+from tracerisk.twin.robots.added_gripper import with_assumed_gripper
 from tracerisk.twin.robots.robot import load_robot
 
 UR = [
@@ -20,8 +21,10 @@ UR = [
 ALPHABETICAL = [*sorted(UR[:3]), *UR[3:]]
 
 
-def published(distro: str, robot: str, packages=None) -> list[str]:
+def published(distro: str, robot: str, packages=None, fingers=None) -> list[str]:
     model = load_robot(robot)
+    if fingers is not None:
+        model = with_assumed_gripper(model, fingers)
     names = tuple(joint.name for joint in model.joints)
     twin = SimpleNamespace(robot=model)
     runtime = Runtime(None, None, twin, packages=packages or {}, distro=DistroRules(distro))
@@ -69,3 +72,8 @@ def test_joints_that_a_parameter_lists_come_as_listed(distro, publisher, tmp_pat
     listed = [UR[4], UR[0], UR[2]]
     (tmp_path / "controllers.yaml").write_text(f"{publisher}:\n  joints: [{', '.join(listed)}]\n")
     assert published(distro, "ur5e", {"cell": tmp_path})[:3] == listed
+
+
+@pytest.mark.parametrize(("fingers", "more"), [([], []), (["finger_joint"], ["finger_joint"])])
+def test_a_gripper_that_nobody_names_is_not_among_the_joints_of_the_arm(fingers, more):
+    assert sorted(published("jazzy", "ur5e", fingers=fingers)) == sorted([*UR, *more])

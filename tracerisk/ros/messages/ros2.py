@@ -265,7 +265,8 @@ class Interfaces2(InterfaceStore):
         arrangement: Any = "scalar"
         if arranged:
             arrangement = "array" if kind == Nodetype.ARRAY else "sequence"
-        made = Field2(name, base, arrangement, size or None, longest, nested)
+        is_guessed = owner.partition("/")[0] in self.from_use
+        made = Field2(name, base, arrangement, size or None, longest, nested, is_guessed=is_guessed)
         if default is None:
             return made
         fitting = _fitting(made, default)

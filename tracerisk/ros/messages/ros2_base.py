@@ -138,6 +138,8 @@ def _copy(message: Any, field: Field2, value: Any) -> Any:
     if field.arrangement == "scalar":
         return _element(message, field, value)
     if not isinstance(value, Iterable):
+        if field.is_guessed:
+            return value
         raise TypeError(f"expected a sequence in '{field.name}'")
     return [_element(message, field, item) for item in value]
 
@@ -146,7 +148,8 @@ def _element(message: Any, field: Field2, value: Any) -> Any:
     assertion = field.unsendable(value)
     if assertion:
         _abort(message, field, value, assertion)
-    return field.as_sent(value) if field.message is None else copy_message(value)
+    is_message = field.message is not None and isinstance(value, Message2)
+    return copy_message(value) if is_message else field.as_sent(value)
 
 
 def _abort(message: Any, field: Field2, value: Any, assertion: str) -> NoReturn:

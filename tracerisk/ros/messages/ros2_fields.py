@@ -62,6 +62,8 @@ class Field2:
     """The class of a nested message; `None` for primitives."""
     default: Any = None
     """The default that the definition sets; `None` where it sets none."""
+    is_guessed: bool = False
+    """Whether nobody has the definition: the field holds whatever the program gives it."""
 
     @property
     def type_text(self) -> str:
@@ -98,6 +100,11 @@ class Field2:
         """Return what the field keeps of a sequence that its constructor is given."""
         if not self.is_numbers:
             return values
+        if self.is_guessed:
+            try:
+                return array.array(TYPE_CODES[self.base], values)
+            except (TypeError, ValueError, OverflowError):
+                return values
         if self.arrangement == "array":
             return np.array(values, dtype=self.dtype)
         return array.array(TYPE_CODES[self.base], values)
@@ -117,6 +124,8 @@ class Field2:
 
         The value is a scalar, or an item of a sequence.
         """
+        if self.is_guessed:
+            return ""
         if self.message is not None:
             wanted, result = self.message, type(value)
             # By the name, as in C: of a subclass it is another.
@@ -140,6 +149,8 @@ class Field2:
         Raises:
             UnicodeEncodeError: a string holds what UTF-8 has not.
         """
+        if self.is_guessed:
+            return value
         if self.base == "string":
             value.encode()
             return value
@@ -156,6 +167,8 @@ class Field2:
         Raises:
             AssertionError: the value does not fit, in rosidl's words.
         """
+        if self.is_guessed:
+            return self.pack(value)
         if self.arrangement == "scalar":
             self._check_scalar(value)
             return value

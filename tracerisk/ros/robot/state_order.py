@@ -49,10 +49,15 @@ class StateOrder:
         self._orders: dict[tuple[str, ...], tuple[int, ...]] = {}
 
     def places(self, names: Sequence[str]) -> tuple[int, ...]:
-        """Return the places of joints, in the robot's order, in that of its driver."""
+        """Return the places of joints, in the robot's order, in that of its driver.
+
+        Joints that it publishes no states of are left out.
+        """
         known = tuple(names)
         if known not in self._orders:
-            ordered = self._ordered(known)
+            robot = getattr(self._runtime.twin, "robot", None)
+            unpublished = frozenset() if robot is None else robot.unpublished
+            ordered = self._ordered(tuple(name for name in known if name not in unpublished))
             self._orders[known] = tuple(known.index(name) for name in ordered)
         return self._orders[known]
 

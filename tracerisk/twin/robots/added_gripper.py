@@ -98,6 +98,8 @@ def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
         named_states=MappingProxyType({**robot.named_states, group: MappingProxyType(states)}),
         initial_state=MappingProxyType({**robot.initial_state, **states["open"]}),
         grippers=(hand.gripper,),
+        # Drivers of grippers that are bought apart publish no states among those of the arm.
+        unpublished=frozenset(moved).difference(named),
         controllers=(*robot.controllers, driver),
         approximate=True,
         assumes_names=True,

@@ -84,6 +84,9 @@ class Robot:
     """The sensors beside the encoders."""
     without_encoder: tuple[str, ...] = ()
     """The arm joints that have no encoder."""
+    unpublished: frozenset[str] = frozenset()
+    """The joints whose states no driver publishes: those of an assumed gripper that the controller
+    does not name."""
     actuators: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """The joints that each named actuator of the model moves."""
     effort_unit: str = ""
