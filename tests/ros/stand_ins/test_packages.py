@@ -1,4 +1,4 @@
-"""Packages of the workspace: rospkg, roslib, ament_index_python."""
+"""Packages of the workspace: rospkg, roslib, ament_index_python, catkin."""
 
 import os
 
@@ -82,3 +82,17 @@ def test_a_manifest_that_would_fill_memory_or_block_is_invalid(example):
     example.write("ws/src/go.py", HOSTILE)
     outcome = example.run("trace", "ws/src/go.py", "--robot", "panda")
     assert outcome.code == 0, outcome.err
+
+
+def test_catkin_finds_the_files_of_a_package(example):
+    example.write("package.xml", "<package><name>cell</name></package>\n")
+    example.write("config/poses.yaml", "a: 1\n")
+    example.write(
+        "scripts/c.py",
+        "import rospy\nfrom catkin.find_in_workspaces import find_in_workspaces as find\n"
+        "rospy.init_node('c')\n"
+        "print([path[-17:] for path in find(['share'], 'cell', 'config/poses.yaml')])\n"
+        "print(find(['share'], 'cell', 'config/none.yaml'), find(project='none'))\n",
+    )
+    outcome = example.run("run", "scripts/c.py")
+    assert "['config/poses.yaml']\n[] []" in outcome.out + outcome.err

@@ -34,6 +34,7 @@ VENDOR_LIBRARIES = frozenset(
         "intera_dataflow",
         "intera_interface",
         "intera_motion_interface",
+        "interactive_markers",
         "interbotix_common_modules",
         "interbotix_perception_modules",
         "interbotix_xs_modules",
