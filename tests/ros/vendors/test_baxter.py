@@ -149,3 +149,34 @@ rospy.sleep(0.1)
 def test_what_the_twin_lacks_says_so(run_on):
     with pytest.raises(ImportError, match="baxter_interface has no 'CameraController' in trac"):
         run_on("baxter", "from baxter_interface import CameraController\n")
+
+
+def test_outputs_are_set_and_nobody_presses_a_button(run_on):
+    ran = run_on(
+        "baxter",
+        HEAD
+        + """
+light = baxter_interface.DigitalIO('left_itb_light_outer')
+before = light.state
+light.set_output(True)
+cuff = baxter_interface.DigitalIO('left_lower_cuff')
+navigator = baxter_interface.Navigator('left')
+pressed = []
+navigator.button0_changed.connect(pressed.append)
+navigator.inner_led = True
+rospy.sleep(0.1)
+fan = baxter_interface.AnalogIO('torso_fan')
+fan.set_output(60)
+try:
+    cuff.set_output(True)
+except OSError as error:
+    refused = str(error)
+lights = navigator.inner_led, navigator.outer_led, light.state
+state = before, cuff.state, cuff.is_output, navigator.button0, fan.state()
+""",
+    )
+    assert ran["lights"] == (True, True, True)
+    assert ran["state"] == (False, False, False, False, 60.0)
+    assert ran["refused"] == "Component is not an output [left_lower_cuff]"
+    assert ran["pressed"] == []
+    assert not ran.commands

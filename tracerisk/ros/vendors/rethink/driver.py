@@ -39,6 +39,8 @@ _SPEED = 0.3  # the fraction of the rated speed, before set_speed_ratio
 _TIMEOUT_S = 0.2  # of velocities, before joint_command_timeout
 _ELECTRIC = 2
 _SIDE = re.compile(r"/(left|right)(?:_gripper)?/")
+_IO = re.compile(r"^/robot/\w+/(\w+?)(?:_navigator)?/state$")
+_INPUT = re.compile(r"button|cuff|sensor|sonar")
 _LOOK_S = 1e-3
 _NUMBERS = ("position", "moving_force")
 _OF_JOINTS = (
@@ -61,11 +63,14 @@ class BaxterDriver(TwinNode):
         self._grips: dict[str, tuple[str, str, int]] = {}
         self._calibrated: dict[str, bool] = {}
         self._forces: dict[str, float] = {}
+        self._outputs: dict[str, float] = {}
         self._takers: dict[str, Callable[[str, Any], None]] = {
             f"{_CORE}/JointCommand": self._take_joints,
             f"{_CORE}/EndEffectorCommand": self._take_gripper,
             f"{_CORE}/HeadPanCommand": self._take_head,
             f"{_INTERA}/HeadPanCommand": self._take_head,
+            f"{_CORE}/DigitalOutputCommand": self._take_output,
+            f"{_CORE}/AnalogOutputCommand": self._take_output,
             "std_msgs/Float64": self._take_number,
             "std_msgs/Bool": self._take_enable,
             "std_msgs/Empty": self._take_empty,
@@ -75,6 +80,9 @@ class BaxterDriver(TwinNode):
             f"{_CORE}/EndpointState": self._endpoint,
             f"{_CORE}/EndEffectorState": self._gripper_state,
             f"{_CORE}/EndEffectorProperties": self._gripper_properties,
+            f"{_CORE}/DigitalIOState": self._digital,
+            f"{_CORE}/AnalogIOState": self._analog,
+            f"{_CORE}/NavigatorState": self._navigator,
             f"{_CORE}/HeadState": self._head,
             f"{_INTERA}/HeadState": self._head,
             "sensor_msgs/JointState": self._joint_states,
@@ -111,6 +119,10 @@ class BaxterDriver(TwinNode):
             self._speed[side] = min(max(float(message.data), 1e-3), 1.0)
         elif topic.endswith("/joint_command_timeout"):
             self._timeout_s[side] = float(message.data)
+
+    def _take_output(self, topic: str, message: Any) -> None:
+        if not _INPUT.search(message.name):
+            self._outputs[message.name] = float(message.value)
 
     def _take_enable(self, topic: str, message: Any) -> None:
         if not topic.endswith("/set_super_enable"):
@@ -277,6 +289,31 @@ class BaxterDriver(TwinNode):
             message.isPanEnabled = True  # a Sawyer's has a mode instead
         return message
 
+    def _digital(self, message: Any, topic: str) -> Any:
+        name = _io_name(topic)
+        message.state, message.isInputOnly = self._state_of(name), bool(_INPUT.search(name))
+        return message
+
+    def _analog(self, message: Any, topic: str) -> Any:
+        name = _io_name(topic)
+        set_time(message.timestamp, EPOCH_NS + self._scheduler.now_ns)
+        message.value = self._outputs.get(name, 0.0)
+        message.isInputOnly = bool(_INPUT.search(name))
+        return message
+
+    def _navigator(self, message: Any, topic: str) -> Any:
+        """Return a navigator of which nobody presses a button or turns the wheel."""
+        name = _io_name(topic)
+        message.button_names, message.buttons = ["ok", "cancel", "show"], [False] * 3
+        message.light_names = ["inner", "outer"]
+        message.lights = [
+            bool(self._state_of(f"{name}_itb_light_{light}")) for light in message.light_names
+        ]
+        return message
+
+    def _state_of(self, name: str) -> int:
+        return int(self._outputs.get(name, 0.0) != 0.0)
+
     # Kinematics
 
     def _solve(self, group: str, request: Any) -> Any:
@@ -316,3 +353,9 @@ def _numbers(text: str) -> dict[str, float]:
 def _side(topic: str) -> str:
     matched = _SIDE.search(topic)
     return matched.group(1) if matched else ""
+
+
+def _io_name(topic: str) -> str:
+    """Return the component of a topic: `left_cuff` of `/robot/digital_io/left_cuff/state`."""
+    matched = _IO.match(topic)
+    return "" if matched is None else matched[1]
