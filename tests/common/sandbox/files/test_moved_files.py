@@ -62,6 +62,28 @@ def test_what_lacks_in_the_workspace_itself_is_not_looked_for_in_another_package
     assert not found
 
 
+@pytest.mark.parametrize(
+    ("rules", "more", "is_found"),
+    [
+        ("('share/arm', ['arm/places/pose.yaml'])", "", True),
+        ("('share/arm', glob('arm/places/*'))", "", True),
+        ("('share/arm', ['package.xml'])", "", False),
+        ("('share/arm', ['arm/places/pose.yaml'])", "old/pose.yaml", False),
+        ("('share/arm', ['arm/places/pose.yaml'])", "build/arm/pose.yaml", True),
+    ],
+)
+def test_a_file_that_a_build_puts_elsewhere_is_found_in_the_sources(
+    workspace, rules, more, is_found
+):
+    arm, found = workspace
+    for name in ("arm/places/pose.yaml", *([more] if more else [])):
+        (arm / name).parent.mkdir(parents=True, exist_ok=True)
+        (arm / name).write_text("home: 1\n")
+    (arm / "setup.py").write_text(f"setup(data_files=[{rules}])\n")
+    assert (arm / "pose.yaml").is_file() is is_found
+    assert ([str(arm / "pose.yaml")] == list(found)) is is_found
+
+
 def test_what_is_written_goes_where_it_is_meant_and_is_read_from_there(workspace, tmp_path):
     arm, found = workspace
     with pytest.raises(FileNotFoundError):

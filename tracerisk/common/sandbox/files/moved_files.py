@@ -8,6 +8,10 @@ none, and its folder is not on this machine, its end is looked for where authors
 A relative path, or one below the working directory, that leads to nothing is looked for where
 authors start a program: beside it, and at the top of its package and project.
 
+A build puts files of a package elsewhere than its sources have them. One that is asked for below a
+package, and is not there, is the only one of its name in that package, if the rules by which the
+package is installed name it or its folder.
+
 Folders stay as they are: who finds one lacking makes it, or looks elsewhere.
 """
 
@@ -19,13 +23,14 @@ import io
 import os
 import stat
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 from tracerisk.common.replaced_names import replaced
+from tracerisk.common.text.bounded import file_text
 
 _LOOKED_AT = ("stat", "lstat", "access", "open")
 _REMOVES = ("remove", "unlink")
@@ -34,6 +39,9 @@ _STAND_INS = f"{_OURS}ros/stand_ins/"
 _PYTHON = (f"{Path(os.__file__).parent}/", "<frozen ")
 _MODULES = (".py", ".pyc", ".so")
 _PASSING = ("/tmp/", "/var/", "/run/")
+_RULES = ("setup.py", "CMakeLists.txt")
+_BUILT = frozenset({"build", "install", "devel", "log", "__pycache__"})
+_MOST_FILES = 2000  # of a package, through which one of a name is looked for
 _SYSTEM = ("/dev/", "/proc/", "/sys/", "/etc/", "/usr/", "/lib")
 
 
@@ -75,13 +83,17 @@ class MovedFiles:
         text = os.fspath(path)
         if not isinstance(text, str) or not text:
             return path
-        relative = self._from_start(text)
-        if not relative and text.startswith(self._of_here):
+        relative, package = self._from_start(text), self._package_of(text)
+        if not relative and not package and text.startswith(self._of_here):
             return path
         if text in self._gone or self._is_there(text):
             return path
         if text not in self._found:
-            here = self._beside(relative) if relative else self._here(text)
+            here = self._beside(relative) if relative else None
+            if here is None and package:
+                here = self._before_install(package, text)
+            elif here is None and not relative:
+                here = self._here(text)
             if here is None or _is_asked_by_us():
                 return path
             self._found[text] = here
@@ -104,6 +116,37 @@ class MovedFiles:
     def _beside(self, relative: str) -> str | None:
         places = (f"{folder}/{relative}" for folder in self._starts)
         return next((place for place in places if self._is_there(place, as_file=True)), None)
+
+    def _package_of(self, text: str) -> str:
+        """Return the folder of the package that a file lies below, empty where there is none."""
+        if text.endswith(_MODULES):
+            return ""
+        below = (folder for folder in self._folders.values() if text.startswith(f"{folder}/"))
+        return max(below, key=len, default="")
+
+    def _before_install(self, package: str, text: str) -> str | None:
+        """Return where the sources of a package have a file that a build puts elsewhere."""
+        name, rules = text.rpartition("/")[2], "\n".join(self._rules(package))
+        if not rules:
+            return None
+        paths: list[str] = []
+        count = 0
+        for folder, folders, files in os.walk(package):
+            folders[:] = sorted(one for one in folders if one not in _BUILT and one[:1] != ".")
+            count += len(files)
+            if count > _MOST_FILES or len(paths) > 1:
+                return None
+            if name in files:
+                paths.append(f"{folder}/{name}")
+        if len(paths) != 1 or not self._is_there(paths[0], as_file=True):
+            return None
+        above = Path(paths[0]).parent.name
+        return paths[0] if name in rules or above in rules else None
+
+    def _rules(self, package: str) -> Iterator[str]:
+        for rules in _RULES:
+            if self._is_there(f"{package}/{rules}", as_file=True):
+                yield file_text(f"{package}/{rules}", errors="replace")
 
     def _here(self, text: str) -> str | None:
         parts = [part for part in text.split("/") if part]
