@@ -200,7 +200,7 @@ class InteractiveMarkerServer:
         self.publishInit()
 
     def publishInit(self) -> None:
-        """Tell new viewers of all markers."""
+        """Send all markers to new viewers."""
         message = InteractiveMarkerInit()
         message.seq_num = self.seq_num
         message.server_id = self._ends.name
