@@ -1,4 +1,4 @@
-"""Markers that a person drags, of both ROS."""
+"""Markers that a user drags, of both ROS."""
 
 import pytest
 
@@ -58,7 +58,7 @@ ROS2 = "import rclpy\nrclpy.init()\nnode = rclpy.create_node('markers')\n" + BOD
 
 
 @pytest.mark.parametrize(("program", "ros"), [(ROS1, 1), (ROS2, 2)])
-def test_what_a_person_does_with_a_marker_moves_it_and_is_heard(run_on, program, ros):
+def test_what_a_user_does_with_a_marker_moves_it_and_is_heard(run_on, program, ros):
     ran = run_on("panda", program, ros=ros)
     assert [feedback.pose.position.x for feedback in ran["moved"]] == [0.25]
     assert (ran["chosen"], ran["place"], ran["left"], ran["before"]) == ([1], 0.25, None, None)

@@ -1,5 +1,5 @@
 # ruff: noqa: F401 - what is imported here is what the module gives
-"""Stand-in for interactive_markers: markers that a person drags in RViz, of both ROS."""
+"""Stand-in for interactive_markers: markers that a user drags in RViz, of both ROS."""
 
 from tracerisk.ros.imports.exported import exported as _exported
 

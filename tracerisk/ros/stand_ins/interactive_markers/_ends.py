@@ -21,7 +21,7 @@ class Ends(Protocol):
     """What a server sends."""
 
     name: str
-    """The name of the server, by which viewers tell it from others."""
+    """The name of the server, by which viewers know it from others."""
 
     def update(self, message: Any) -> None:
         """Send what has changed."""

@@ -208,7 +208,7 @@ class InteractiveMarkerServer:
         self._ends.init(message)
 
     def processFeedback(self, feedback: Any) -> None:
-        """Move a marker as a person did, and call the function for it."""
+        """Move a marker as a user did, and call the function for it."""
         context = self.marker_contexts.get(feedback.marker_name)
         if context is None:
             return
