@@ -63,6 +63,7 @@ SUB_ROOMS = {
             "stand_ins",
             "scenario",
             "imports",
+            "keyboard",
             "gazebo",
             "moveit",
             "robot",

@@ -355,6 +355,56 @@ def test_a_question_that_is_asked_again_and_again_ends_the_run(example, quick):
     assert error["scenario"] == "answers:\n  - '1'  # assumed: an answer to 'Which arm?'\n"
 
 
+JOGGED = """\
+import rospy
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+rospy.init_node("jogged")
+arm = rospy.Publisher("/panda_arm_controller/command", JointTrajectory, queue_size=1)
+rospy.sleep(1.0)
+while not rospy.is_shutdown():
+    joints = [float(each) for each in input("joints: ").split()]
+    if len(joints) != 7:
+        continue
+    point = JointTrajectoryPoint(positions=joints, time_from_start=rospy.Duration(2.0))
+    names = [f"panda_joint{number}" for number in range(1, 8)]
+    arm.publish(JointTrajectory(joint_names=names, points=[point]))
+"""
+
+
+def test_a_user_sees_a_motion_end_before_the_next_answer(example):
+    example.write("c.py", JOGGED)
+    trace = example.run("run", "c.py", "--json", "--check", "--no-draft").json["trace"]
+    assert trace["end"]["cause"] == "idle"
+    assert "was given each answer that its code knows" in trace["end"]["message"]
+    assert [command["end"] for command in trace["commands"]] == ["arrived"]
+    assert trace["end"]["simulated_s"] >= 2.0
+
+
+CHOICES = """import moveit_commander, rospy
+rospy.init_node("choices")
+group = moveit_commander.MoveGroupCommander("panda_arm")
+near = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+while (choice := input("h, s or q: ")) != "q":
+    if choice == "h":
+        group.go(near, wait=True)
+    elif choice == "s":
+        group.go([0.2, *near[1:]], wait=True)
+    else:
+        group.go([0.4, *near[1:]], wait=True)
+"""
+
+
+def test_a_menu_that_moves_on_enter_too_gets_what_its_code_compares(example):
+    example.write("c.py", CHOICES)
+    outcome = example.run("run", "c.py", "--json", "--check")
+    assert outcome.json["trace"]["end"]["cause"] == "ended"
+    assert len(outcome.json["trace"]["commands"]) == 2
+    (reason,) = [
+        each for each in outcome.json["verdict"]["reasons"] if each["code"] == "input-assumed"
+    ]
+    assert "'h', then 's', then 'q' is assumed" in reason["words"]
+
+
 MENU = """\
 rospy.init_node("menu")
 group = moveit_commander.MoveGroupCommander("panda_arm")
@@ -390,7 +440,7 @@ def test_a_question_that_does_not_take_enter_gets_what_its_code_compares(example
     found = {(each["code"], each["object"]): each for each in verdict["reasons"]}
     for question in ("'What next?'", "'joints:'"):
         reason = found["input-assumed", question]
-        assert f"{question} does not take Enter" in reason["words"]
+        assert f"nobody answers {question}: " in reason["words"]
         assert reason["location"]["file"] == "c.py"
 
 
@@ -543,7 +593,10 @@ def test_questions_without_words_are_answered_each_and_are_over_with_their_answe
     line = head.count("\n") + 3
     words = f"nothing provides an answer to a read of the standard input in line {line}"
     assert reasons["unmet-need"] == words
-    # A question that was never answered is lacking.
+    # A question that nobody answers gets what its code takes.
     outcome = example.run(*options)
-    assert outcome.code == 4
-    assert "could not convert string to float" in outcome.err
+    assert outcome.code == 0, outcome.err
+    found = [each for each in outcome.json["verdict"]["reasons"] if each["code"] == "input-assumed"]
+    assert [each["object"] for each in found] == [
+        f"a read of the standard input in line {line + 2}"
+    ]

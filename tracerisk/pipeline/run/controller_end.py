@@ -23,7 +23,7 @@ from tracerisk.pipeline.run.unmet_needs import JudgedEnd
 from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
 from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.controller.removed_names import removed_name_hint
-from tracerisk.ros.imports.window_names import NO_SCREEN, needs_screen
+from tracerisk.ros.imports.window_names import needs_screen, no_screen
 from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.trace import EndCause
 from tracerisk.twin.simulation.twin import Twin
@@ -158,7 +158,7 @@ class ControllerEnd:
         hint = removed_name_hint(error)
         if needs_screen(error):
             self.on_missing({"tkinter": ""}, self._place_of(error))
-            hint = NO_SCREEN
+            hint = no_screen("tkinter")
         message = f"the controller raised {_one_text(error)}" + (f"; {hint}" if hint else "")
         self._report("raised", message, self._place_of(error))
         _print_traceback(error)

@@ -5,20 +5,31 @@ from __future__ import annotations
 import builtins
 import contextlib
 import io
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NoReturn
 
 from tracerisk.instrument.recorder import Recorder
-from tracerisk.pipeline.run.scripted_keys import STDIN, ScriptedKeys
 from tracerisk.ros.controller.needs import Need, asking_place
+from tracerisk.ros.drafts.answers.known_answers import KnownAnswers
+from tracerisk.ros.keyboard.scripted_keys import STDIN, ScriptedKeys
 from tracerisk.ros.time.scheduler import Scheduler
 
 _ASKED_IN_VAIN = 200
 _TAKES_NO_ENTER = 3
 _SEEN_NS = 100_000_000
+_TYPED_NS = 1_000_000_000  # from one answer to the next, as from one key to the next
 _LOOKS = 3  # a subscription that is not connected yet gets its message a little later
+_MOST_TIMES = 10  # that a user goes on where a question is whether to
+_GO_ON = re.compile(r"y|yes|ok|c|continue|go|n|next|proceed", re.IGNORECASE)
+_MOST_REST_NS = 60_000_000_000  # that a user waits for the arm to come to rest
+_FOR_ENTER = re.compile(
+    r"\b(press|hit|push)\b.*\b(enter|return|any key)\b|\benter to\b"
+    r"|[\[<(`'\"](enter|return)[\]>)`'\"]",
+    re.IGNORECASE | re.DOTALL,
+)
 
 
 @contextlib.contextmanager
@@ -51,8 +62,9 @@ class Answers(io.TextIOBase):
     where it was answered before, and something was commanded. A controller that reads keys gets
     each answer as one.
 
-    A question that comes again and again without progress does not take Enter: it gets an assumed
-    answer, and each is an assumption.
+    A question whose code knows answers with which it goes on gets these, each once and what leaves
+    it last; so does one that comes again and again without progress, for it does not take Enter.
+    Each is an assumption. A user who has given all of them, and has seen the arm move, is done.
     """
 
     answers: Sequence[str]
@@ -63,22 +75,24 @@ class Answers(io.TextIOBase):
     """The scheduler that ends the run and notes unmet needs."""
     script: str
     """The controller's file, in which the keys that it reads are compared."""
-    assume: Callable[[], Sequence[str]]
-    """Returns the answers that the code takes at the place that asks, to be given in turn."""
+    assume: Callable[[], KnownAnswers]
+    """Returns the answers that the code knows at the place that asks."""
     progress: Callable[[], object]
     """Returns a value that changes whenever the controller has made progress."""
     firsts_come_ns: Callable[[], int] = lambda: 0
     """Returns when what the controller listens to has said something: answers come after that."""
+    is_moving: Callable[[], bool] = lambda: False
+    """Returns whether a motion is under way, after which the next answer comes."""
     prompt: str = field(default="", init=False)
     """The text of the last question; empty for none."""
-    _assumed: dict[str, list[str]] = field(default_factory=dict, init=False)
-    """The assumed answers that are left, by question."""
+    _asked_of: dict[str, _Question] = field(default_factory=dict, init=False)
+    """What is known of each question without a scripted answer."""
     _last_asked: tuple[str, object] = field(default=("", None), init=False)
     """The last question, and the progress when it was asked."""
-    _took_assumed: set[str] = field(default_factory=set, init=False)
-    """The questions that were answered by assumption: a scenario lacks their answers still."""
     _times: int = field(default=0, init=False)
     """How many times in a row the last question came without progress."""
+    _has_answered: bool = field(default=False, init=False)
+    """Whether the last answer was more than Enter: the next comes after what it led to."""
     _line: str = field(default="", init=False)
     """What is left of the answer that is being read."""
 
@@ -140,13 +154,24 @@ class Answers(io.TextIOBase):
             # Who answers has seen what came; the callbacks for it have run.
             if (due_ns := self.firsts_come_ns()) > self.scheduler.now_ns:
                 self.scheduler.pass_until(due_ns + _SEEN_NS)
+        self._see_motions()
         answer = self._given()
         if answer is not None:
             self.scheduler.needs.meet(Need("input", self._asked))
         else:
             answer = self._unscripted()
             self.recorder.note("input", answer=answer)
+        self._has_answered = bool(answer)
         self._line = f"{answer}\n"
+
+    def _see_motions(self) -> None:
+        """Wait for what the answer before has set in motion: a user sees it end."""
+        if not self._has_answered:
+            return
+        self.scheduler.pass_until(self.scheduler.now_ns + _TYPED_NS)
+        self.scheduler.wait_until(
+            lambda: not self.is_moving(), timeout_ns=_MOST_REST_NS, reason="the arm to rest"
+        )
 
     @property
     def _asked(self) -> str:
@@ -158,31 +183,37 @@ class Answers(io.TextIOBase):
         return f"a read of the standard input{line}"
 
     def _unscripted(self) -> str:
-        """Return Enter, or an answer that the code knows where Enter leads nowhere."""
+        """Return an answer that the code knows, or Enter."""
         asked = self._asked
         now = asked, self.progress()
         self._times = self._times + 1 if now == self._last_asked else 1
         self._last_asked = now
-        if self._times == _TAKES_NO_ENTER and asked not in self._assumed:
-            self._assumed[asked] = list(self.assume())
+        question = self._asked_of.setdefault(asked, _Question(self.assume()))
         self.scheduler.touch()
-        if self._assumed.get(asked):
-            self._took_assumed.add(asked)
-            answer = self._assumed[asked].pop(0)
-            self.recorder.finding(
-                "answer_assumed",
-                f"{asked} does not take Enter: {answer!r} is assumed, as its code would take it; "
-                "--answer gives another",
-                asking_place(),
-                object_name=asked,
-            )
-            return answer
+        # Who has answered it by --answer or a scenario has said all.
+        was_scripted = self.scheduler.needs.is_met("input", asked)
+        takes_enter = was_scripted or question.takes_enter(self.prompt)
+        if self._times >= _TAKES_NO_ENTER or not takes_enter:
+            answer = question.next_answer(now)
+            if answer is None and any(other.may_say_more for other in self._asked_of.values()):
+                # A part of what another question leads to.
+                answer = question.again()
+            if answer is not None:
+                self.recorder.finding(
+                    "answer_assumed",
+                    f"nobody answers {asked}: {question.words} is assumed, as its code would take "
+                    "it; --answer gives another",
+                    asking_place(),
+                    object_name=asked,
+                )
+                return answer
+            if question.is_answered and self.progress() is not None:
+                words = f"{asked} was given each answer that its code knows"
+                self.scheduler.end("idle", words, asking_place())
         self.scheduler.miss(Need("input", asked))
         if self._times == _ASKED_IN_VAIN:
             # A menu that has moved the arm waits for a user who has said all.
-            needs = self.scheduler.needs
-            was_answered = asked in self._took_assumed or needs.is_met("input", asked)
-            is_over = was_answered and self.progress() is not None
+            is_over = was_scripted and self.progress() is not None
             self.scheduler.end(
                 "idle" if is_over else "deadlock",
                 f"the answer to {asked} was asked for {_ASKED_IN_VAIN} times and was only "
@@ -194,6 +225,59 @@ class Answers(io.TextIOBase):
         end = len(self._line) if size is None or size < 0 else size
         taken, self._line = self._line[:end], self._line[end:]
         return taken
+
+
+class _Question:
+    """What a user says to one question, in turn."""
+
+    def __init__(self, known: KnownAnswers) -> None:
+        self._known = known
+        self._left = [*known.in_turn]
+        self._given = 0
+        self._seen: object = None
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether it was given an answer that the code knows."""
+        return self._given > 0
+
+    @property
+    def words(self) -> str:
+        """The answers that it is given, in words."""
+        return ", then ".join(map(repr, self._known.in_turn))
+
+    @property
+    def may_say_more(self) -> bool:
+        """Whether there are answers that it was not given."""
+        return bool(self._left)
+
+    def again(self) -> str | None:
+        """Return the first of its answers once more, None after many times."""
+        if not self._known.going_on or self._given >= _MOST_TIMES:
+            return None
+        self._given += 1
+        return self._known.going_on[0]
+
+    def takes_enter(self, prompt: str) -> bool:
+        """Return whether Enter may do: it is asked for, or nothing else is known to go on."""
+        return not self._known.going_on or _FOR_ENTER.search(prompt) is not None
+
+    def next_answer(self, seen: object) -> str | None:
+        """Return the next answer, None after the last; `seen` changes where one led on.
+
+        Who is asked whether to go on says so again. One answer is given again to a question that
+        is asked several times before anything comes of it.
+        """
+        has_led_on, self._seen = seen != self._seen, seen
+        known = self._known
+        if len(known.going_on) == 1 and 0 < self._given < _MOST_TIMES:
+            is_whether = bool(known.leaving) and _GO_ON.fullmatch(known.going_on[0]) is not None
+            if is_whether if has_led_on else not known.leaving:
+                return self.again()
+        if not self._left:
+            return None
+        self._given += 1
+        return self._left.pop(0)
 
 
 class AnswerBytes(io.BufferedIOBase):

@@ -100,15 +100,23 @@ def _is_number(value: Any) -> bool:
 def _refused(tree: ast.AST) -> dict[int, ast.Compare]:
     """Return what holds instead of each comparison (by `id`) that turns a number away.
 
-    That is the test of an `if` that raises, or goes on to the next round of a loop.
+    That is the test of an `if` that raises, or goes on to the next round of a loop, and that of a
+    loop which asks again.
     """
     return {
         id(test): ast.Compare(test.left, [_OTHER_SIDE[type(test.ops[0])]()], test.comparators)
         for node in ast.walk(tree)
-        if isinstance(node, ast.If) and isinstance(node.body[-1], ast.Continue | ast.Raise)
+        if (isinstance(node, ast.If) and isinstance(node.body[-1], ast.Continue | ast.Raise))
+        or (isinstance(node, ast.While) and _asks(node))
         for test in [node.test]
         if isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _OTHER_SIDE
     }
+
+
+def _asks(loop: ast.While) -> bool:
+    return any(
+        isinstance(node, ast.Call) and last_name(node.func) == "input" for node in ast.walk(loop)
+    )
 
 
 def used_as(place: Location | None, call: str) -> str:
@@ -215,7 +223,7 @@ def _stem(node: ast.expr) -> ast.expr:
     while True:
         bare = bare_value(node)
         is_split = isinstance(bare, ast.Call) and last_name(bare.func) in ("split", "splitlines")
-        if isinstance(bare, ast.Subscript):
+        if isinstance(bare, ast.Subscript | ast.NamedExpr):
             node = bare.value
         elif is_split and isinstance(bare.func, ast.Attribute):  # type: ignore[attr-defined]
             node = bare.func.value  # type: ignore[attr-defined]

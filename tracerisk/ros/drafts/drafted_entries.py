@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tracerisk.common.text.key_codes import CODES
 from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import Location
 from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
@@ -56,6 +57,7 @@ TRANSITION = "lifecycle_msgs/ChangeState"
 _EACH_S = 10.0  # between two commands of which a controller knows several
 _FEW_WORDS = 6  # of more, keys of a keyboard, each moves a little
 _MOST_WORDS = 16
+_USUAL_KEYS = (*"wsad", *(CODES[name] for name in ("up", "down", "left", "right")))
 _SHORT_S = 2.0  # between two of those
 _PRESSED_S = 1.0  # for how long each button of a game pad is pressed
 BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
@@ -330,9 +332,11 @@ def _answer(lack: Lack) -> _Made:
     need = lack.need
     if need.name == KEYS:
         keys = list(known_keys(lack.place))
-        words = "each key that the code knows" if keys else "the code names no key"
-        return keys or None, words
-    answers = known_answers(lack.place, lack.values)
+        if not keys:
+            words = "the code names no key: those that most programs know which are moved by keys"
+            return [*_USUAL_KEYS], words
+        return keys, "each key that the code knows"
+    answers = known_answers(lack.place, lack.values).in_turn
     if {*answers} <= {*map(str, ANY_NUMBER)} and used_as(lack.place, "input") in ("int", "float"):
         units = units_of("", f"{need.name} {said_at(lack.place)}")
         for name in _names_asked(lack):

@@ -251,6 +251,32 @@ class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             del sys.modules[name]
 
 
+@dataclass(frozen=True, slots=True)
+class HiddenModules(importlib.abc.MetaPathFinder):
+    """Keeps modules from being imported, as if they were not installed, within its block."""
+
+    names: Collection[str]
+    """The top names of the modules."""
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Any = None,  # noqa: ARG002 - the import system gives it
+        target: Any = None,  # noqa: ARG002
+    ) -> None:
+        """Raise ModuleNotFoundError for a module that is hidden."""
+        top = fullname.partition(".")[0]
+        if top in self.names:
+            raise ModuleNotFoundError(f"No module named {top!r}", name=top)
+
+    def __enter__(self) -> Self:
+        sys.meta_path.insert(0, self)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        sys.meta_path.remove(self)
+
+
 def is_placeholder(name: str) -> bool:
     """Return whether a module was imported, and is a placeholder."""
     return _is_served(sys.modules.get(name))

@@ -20,7 +20,9 @@ from pathlib import Path
 
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.source.python_source import parsed
+from tracerisk.ros.controller.needs import WINDOW_MODULES
 from tracerisk.ros.controller.removed_names import REMOVED_MODULES
+from tracerisk.ros.imports.window_names import no_screen
 
 VENDOR_LIBRARIES = frozenset(
     {
@@ -197,6 +199,8 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
             f"it speaks to {_DEVICES[name]}, past ROS; nothing that the program sends or reads "
             "there is simulated"
         )
+    if name in WINDOW_MODULES:
+        return Remedy(no_screen(name))
     if name in REMOVED_MODULES:
         return Remedy(REMOVED_MODULES[name])
     if name in _REPOSITORIES:

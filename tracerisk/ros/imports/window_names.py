@@ -49,7 +49,7 @@ PRESSED = frozenset({
 """Signals that come when somebody uses a widget."""
 PROGRAM = re.compile(r"\.(Tk|CTk|Window|Q\w*Application)\b")
 """What ends with its main loop, by its name."""
-OF_QT = re.compile(r"Qt|PySide")
+OF_QT = re.compile(r"Qt|PySide|qt_binding")
 """A name in a binding of Qt."""
 TYPED = re.compile(r"\.(Entry|Combobox|Spinbox|StringVar|Text|CTk(Entry|Textbox|ComboBox))\(\)$")
 """Widgets that give a text, as it is typed."""
@@ -75,11 +75,12 @@ def tk_constants() -> Mapping[str, object]:
     return {name: value for name, value in known.items() if name.isupper()}
 
 
-NO_SCREEN = (
-    "a run has no screen: a scenario with `modules: [{module: tkinter}]` gives windows whose "
-    "buttons are pressed once each"
-)
-"""What to do about an error of Tk that says so."""
+def no_screen(module: str) -> str:
+    """Return what to do about a library for windows, whose module is not served."""
+    return (
+        f"a run has no screen: a scenario with `modules: [{{module: {module}}}]` gives windows "
+        "whose buttons are pressed once each"
+    )
 
 
 def needs_screen(error: BaseException) -> bool:

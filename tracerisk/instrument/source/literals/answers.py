@@ -16,7 +16,12 @@ _ENDS = frozenset(
 def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
     """Return answers in the order in which a user would give them: what ends the program last."""
     texts = list(dict.fromkeys(str(value) for value in values if not isinstance(value, bool)))
-    return tuple(sorted((text for text in texts if text), key=lambda text: text.lower() in _ENDS))
+    return tuple(sorted((text for text in texts if text), key=ends_program))
+
+
+def ends_program(answer: str) -> bool:
+    """Return whether an answer ends the program or refuses, by its word."""
+    return answer.lower() in _ENDS
 
 
 def without_emergency(answers: Sequence[str]) -> tuple[str, ...]:

@@ -23,9 +23,14 @@ from tracerisk.ros.controller.needs import WINDOW_MODULES
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
-from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
+from tracerisk.ros.imports.placeholder_modules import (
+    HiddenModules,
+    PlaceholderFinder,
+    PlaceholderValues,
+)
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
 from tracerisk.ros.imports.window_modules import Windows, window_finder
+from tracerisk.ros.imports.window_names import OF_QT
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +47,8 @@ class Imports:
     """Finds the modules for which the scenario has placeholders."""
     windows: PlaceholderFinder
     """Finds the libraries for windows that the scenario names."""
+    screens: HiddenModules
+    """Hides the other ones that end the process where there is no screen."""
     own: ControllerFinder
     """Finds the controller's own modules, which are traced."""
     missing: MissingModules
@@ -84,8 +91,9 @@ def build_imports(
     placeholders = PlaceholderFinder.of_values(named - WINDOW_MODULES, values)
     failed = partial(callback_failed, "a callback of a window")
     windows = window_finder(named & WINDOW_MODULES, Windows(values, scheduler.sleep, failed))
+    screens = HiddenModules({name for name in WINDOW_MODULES - named if OF_QT.search(name)})
     missing = MissingModules(script, root, stand_ins.provides)
-    return Imports(stand_ins, beside, installed, placeholders, windows, own, missing)
+    return Imports(stand_ins, beside, installed, placeholders, windows, screens, own, missing)
 
 
 def _installed_libraries(

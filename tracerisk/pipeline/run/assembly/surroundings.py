@@ -74,6 +74,7 @@ def controller_surroundings(
         imports.installed.active(),
         imports.placeholders,
         imports.windows,
+        imports.screens,
         answered_commands(graph.runtime),
         removed_numpy_names(),
         removed_python_names(request.distro.name),
@@ -106,6 +107,7 @@ def _answers(
         assume=lambda: known_answers(asking_place(), watches.values),
         progress=lambda: watches.run.last_command_ns,
         firsts_come_ns=graph.scenario.firsts_come_ns,
+        is_moving=lambda: watches.run.is_commanding,
     )
 
 

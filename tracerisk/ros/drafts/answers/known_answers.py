@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
-from tracerisk.instrument.source.literals.answers import ordered_answers
+from tracerisk.instrument.source.literals.answers import ends_program, ordered_answers
 from tracerisk.instrument.source.literals.called_functions import functions_of, parameter_name
 from tracerisk.instrument.source.literals.comparisons import comparisons
 from tracerisk.ros.drafts.answers.split_answers import numbers_answer
@@ -22,25 +23,47 @@ from tracerisk.ros.drafts.usable_values import UsableValues
 
 _OPTION = re.compile(r"^\s*[\[(]?(\w{1,2})(?:[\])]|[.:]\s|\s+[-=:]\s)\s*(\S.*)$", re.MULTILINE)
 _LEAVES = re.compile(r"\b(quit|exit|leave|end|stop|back|cancel)\b", re.IGNORECASE)
+_LEAVING: Mapping[type[ast.stmt], tuple[type[ast.cmpop], ...]] = {
+    ast.If: (ast.Eq, ast.In),
+    ast.While: (ast.NotEq, ast.NotIn),
+}
+"""The comparisons of a test with what ends its loop."""
 _EXITS = frozenset({"exit", "_exit", "quit", "shutdown", "signal_shutdown"})
 
 
-def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:
-    """Return the answers that the code knows to its question at `place`, in turn; () for none.
+class KnownAnswers(NamedTuple):
+    """The answers that a code knows to a question, in the order in which a user gives them."""
+
+    going_on: tuple[str, ...] = ()
+    """Those with which the program does something."""
+    leaving: tuple[str, ...] = ()
+    """Those with which a loop, a function or the program is left."""
+
+    @property
+    def in_turn(self) -> tuple[str, ...]:
+        """All of them: what ends the program comes last."""
+        return (*self.going_on, *self.leaving)
+
+
+def known_answers(place: Location | None, values: UsableValues) -> KnownAnswers:
+    """Return the answers that the code knows to its question at `place`.
 
     Numbers into which the code takes the answer apart, else what it compares the answer with, the
-    keys of a table in which it looks it up, or the options that it prints. What ends the program
-    comes last.
+    keys of a table in which it looks it up, or the options that it prints.
     """
     numbers = numbers_answer(place, values)
     answers = ordered_answers((*compared_results(place, "input"), *_keys(place)))
     answers = tuple(_with_verbs(answers, place))
-    leaving = tuple(answer for answer in answers if answer in _leaving(place))
+    left_by = _leaving(place)
+    leaving = tuple(answer for answer in answers if answer in left_by or ends_program(answer))
     if numbers is not None:
-        return (numbers, *leaving)
-    if not answers or set(answers) <= set(leaving):
-        answers = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
-    return (*(answer for answer in answers if answer not in leaving), *leaving)
+        return KnownAnswers((numbers,), tuple(answer for answer in leaving if answer in left_by))
+    going_on = tuple(answer for answer in answers if answer not in leaving)
+    if not going_on:
+        printed = _printed(place)
+        going_on = tuple(answer for answer in printed.going_on if answer not in leaving)
+        leaving = tuple(dict.fromkeys((*printed.leaving, *leaving)))
+    return KnownAnswers(going_on, leaving)
 
 
 def _with_verbs(answers: Sequence[str], place: Location | None) -> Iterator[str]:
@@ -95,12 +118,12 @@ def _leaving(place: Location | None) -> frozenset[str]:
         for tree, call in calls_of(place, "input")
         for names in (held_by(tree, call)[0],)
         for node in ast.walk(tree)
-        if isinstance(node, ast.If) and _leaves(node.body)
+        if isinstance(node, ast.While) or (isinstance(node, ast.If) and _leaves(node.body))
         for test in ast.walk(node.test)
         if isinstance(test, ast.Compare)
         for subject, value in comparisons(test)
         if subject is not None and is_held(subject, call, names)
-        and isinstance(test.ops[0], ast.Eq | ast.In)
+        and isinstance(test.ops[0], _LEAVING[type(node)])
     )  # fmt: skip
 
 
@@ -146,7 +169,7 @@ def _looked_up(node: ast.AST) -> tuple[ast.AST | None, ast.expr | None]:
     return None, None
 
 
-def _printed(place: Location | None) -> tuple[str, ...]:
+def _printed(place: Location | None) -> KnownAnswers:
     """Return the options of the menu that is printed around the question: `1. Home`, `[q] quit`."""
     labels: dict[str, str] = {}
     for tree, call in calls_of(place, "input"):
@@ -160,8 +183,9 @@ def _printed(place: Location | None) -> tuple[str, ...]:
             if isinstance(node, ast.Call) and last_name(node.func) in ("print", "input"):
                 for text in _texts(node):
                     labels |= {match[1]: match[2] for match in _OPTION.finditer(text)}
-    options = {option: label for option, label in labels.items() if len(labels) > 1}
-    return tuple(sorted(options, key=lambda option: _LEAVES.search(options[option]) is not None))
+    options = labels if len(labels) > 1 else {}
+    leaving = tuple(option for option, label in options.items() if _LEAVES.search(label))
+    return KnownAnswers(tuple(option for option in options if option not in leaving), leaving)
 
 
 def _texts(call: ast.Call) -> Iterator[str]:

@@ -13,8 +13,10 @@ from typing import Any
 
 from tracerisk.common.replaced_names import replaced
 from tracerisk.errors import Location
+from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.needs import KEYS, Need
+from tracerisk.ros.keyboard.screen import screen_functions
 from tracerisk.ros.time.scheduler import Scheduler
 
 STDIN = 0
@@ -61,10 +63,21 @@ class ScriptedKeys:
         Raises:
             RunOver: no key is pressed any more, and nothing else happens.
         """
-        self._look()
-        self._scheduler.wait_until(lambda: bool(self._typed), reason="a key", kind="idle")
+        self.is_typed(None)
         taken, self._typed = self._typed[:size], self._typed[size:]
         return taken
+
+    def is_typed(self, timeout_ns: int | None) -> bool:
+        """Wait for a key for so long, without an end for None, and return whether there is one.
+
+        Raises:
+            RunOver: no key is pressed any more, and nothing else happens.
+        """
+        self._look()
+        self._scheduler.wait_until(
+            lambda: bool(self._typed), timeout_ns=timeout_ns, reason="a key", kind="idle"
+        )
+        return bool(self._typed)
 
     def _look(self) -> None:
         """Ask for the next key, which is pressed soon."""
@@ -83,10 +96,11 @@ class ScriptedKeys:
         self._typed, self._is_due = answer, False
 
     def _place(self) -> Location | None:
-        """Return where the controller's own file asks, which compares the keys, not a library."""
+        """Return where the controller asks, in its own file or else in one that compares keys."""
         stack = [place for place, _ in controller_stack(_getframe())]
-        own = [place for place in stack if place.file == self._script] or stack
-        return own[-1] if own else None
+        own = [place for place in stack if place.file == self._script][-1:]
+        likely = [*own, *reversed(stack)]
+        return next(filter(known_keys, likely), likely[0] if likely else None)
 
     def served(self) -> AbstractContextManager[None]:
         """Stand in for the functions of a terminal."""
@@ -94,6 +108,7 @@ class ScriptedKeys:
             (os, "read", self._read_bytes(os.read)),
             (select, "select", self._select(select.select)),
         ]
+        functions += screen_functions(self)
         for module in (termios, tty):
             functions += [
                 (module, "tcgetattr", self._at_stdin(self._get, termios.tcgetattr)),
@@ -135,18 +150,13 @@ class ScriptedKeys:
             keyboards = [item for item in read if _is_stdin(item)]
             if not keyboards or not self.is_raw or self._scheduler.current is None:
                 return real(read, write, exceptional, timeout)
-            self._look()
             others = [item for item in read if item not in keyboards]
             if others or write or exceptional:
+                self._look()
                 result = real(others, write, exceptional, 0)
                 return ([*(keyboards if self._typed else ()), *result[0]], *result[1:])
-            self._scheduler.wait_until(
-                lambda: bool(self._typed),
-                timeout_ns=None if timeout is None else round(timeout * 1e9),
-                reason="a key",
-                kind="idle",
-            )
-            return (keyboards if self._typed else [], [], [])
+            timeout_ns = None if timeout is None else round(timeout * 1e9)
+            return (keyboards if self.is_typed(timeout_ns) else [], [], [])
 
         return select_
 

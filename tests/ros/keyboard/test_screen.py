@@ -1,0 +1,63 @@
+"""Controllers that read keys from a screen of curses."""
+
+import pytest
+
+from tracerisk.errors import Location
+from tracerisk.instrument.source.literals.known_keys import known_keys
+
+SCREEN = """\
+import curses
+import moveit_commander, rospy
+
+rospy.init_node("keys")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+def jog(delta):
+    joints = arm.get_current_joint_values()
+    joints[0] += delta
+    arm.go(joints, wait=True)
+
+def main(screen):
+    curses.curs_set(0)
+    screen.nodelay(WAITS)
+    curses.init_pair(1, curses.COLOR_RED, curses.COLOR_BLACK)
+    screen.addstr(0, 0, "arrows move", curses.color_pair(1) | curses.A_BOLD)
+    while True:
+        key = screen.getch()
+        if key == curses.KEY_LEFT:
+            jog(0.1)
+        elif key == ord("d"):
+            jog(-0.1)
+        elif key == 27:
+            return
+        rospy.sleep(0.05)
+
+curses.wrapper(main)
+"""
+
+
+@pytest.mark.parametrize("is_polled", [True, False])
+def test_a_screen_without_a_terminal_gets_each_key_that_its_code_names(example, is_polled):
+    example.write("keys.py", SCREEN.replace("WAITS", str(is_polled)))
+    outcome = example.run("run", "keys.py", "--json")
+    assert outcome.code == 0, outcome.err
+    trace = outcome.json["trace"]
+    assert trace["end"]["cause"] == "ended"
+    assert [command["end"] for command in trace["commands"]] == ["arrived", "arrived"]
+    assert trace["verdict"]["kind"] == "partial"
+
+
+def test_keys_of_curses_and_of_libraries_are_known_by_their_names(tmp_path):
+    source = tmp_path / "keys.py"
+    source.write_text(
+        "if key == curses.KEY_UP: pass\n"
+        "elif key in (ord('w'), 10): pass\n"
+        "elif key == Key.page_down: pass\n"
+        "elif key.char == 's' or k.lower() == 'space': pass\n"
+        "elif key == KeyCode.from_char('e'): pass\n"
+        "elif count == 65: pass\n"
+        "moves = {curses.KEY_LEFT: 1, ord('k'): -1}\n"
+        "if pygame.key.get_pressed()[pygame.K_m]: pass\n"
+    )
+    wanted = ("\x1b[A", "w", "\n", "\x1b[6~", "s", " ", "e", "\x1b[D", "k", "m")
+    assert known_keys(Location(str(source), 1)) == wanted
