@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tracerisk.common.text.key_codes import CODES
 from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import Location
 from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
@@ -22,6 +21,7 @@ from tracerisk.instrument.source.literals.filled_messages import (
     listed_lengths,
     listed_names,
 )
+from tracerisk.instrument.source.literals.key_codes import CODES
 from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need, NeedKind
 from tracerisk.ros.drafts.answers.known_answers import known_answers

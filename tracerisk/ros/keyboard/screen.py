@@ -7,7 +7,7 @@ import curses
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol
 
-from tracerisk.common.text.key_codes import CODES, OF_CURSES
+from tracerisk.instrument.source.literals.key_codes import CODES, OF_CURSES
 
 ROWS, COLUMNS = 50, 160
 """The size of the screen: large enough for what programs draw [characters]."""

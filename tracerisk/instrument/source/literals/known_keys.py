@@ -6,11 +6,11 @@ import ast
 import re
 from collections.abc import Iterable, Iterator
 
-from tracerisk.common.text.key_codes import CODES, code_of_name
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.answers import ordered_answers
 from tracerisk.instrument.source.literals.called_functions import source_tree
+from tracerisk.instrument.source.literals.key_codes import CODES, code_of_name
 
 _ESCAPE = "\x1b"
 _LONGEST_CODE = 6
