@@ -67,19 +67,26 @@ class ScriptedKeys:
         taken, self._typed = self._typed[:size], self._typed[size:]
         return taken
 
-    def is_typed(self, timeout_ns: int | None) -> bool:
+    @property
+    def is_due(self) -> bool:
+        """Whether a key is about to be pressed."""
+        return self._is_due
+
+    def is_typed(self, timeout_ns: int | None, place: Location | None = None) -> bool:
         """Wait for a key for so long, without an end for None, and return whether there is one.
+
+        `place` is where the controller compares it, if that is not where it asks.
 
         Raises:
             RunOver: no key is pressed any more, and nothing else happens.
         """
-        self._look()
+        self._look(place)
         self._scheduler.wait_until(
             lambda: bool(self._typed), timeout_ns=timeout_ns, reason="a key", kind="idle"
         )
         return bool(self._typed)
 
-    def _look(self) -> None:
+    def _look(self, place: Location | None = None) -> None:
         """Ask for the next key, which is pressed soon."""
         if self._typed or self._is_due:
             return
@@ -90,7 +97,7 @@ class ScriptedKeys:
             self._scheduler.call_at(due_ns, lambda: self._press(answer))
         elif not self._was_pressed:
             need = Need("input", KEYS)
-            self._scheduler.needs.miss(need, self._scheduler.now_ns, self._place())
+            self._scheduler.needs.miss(need, self._scheduler.now_ns, place or self._place())
 
     def _press(self, answer: str) -> None:
         self._typed, self._is_due = answer, False

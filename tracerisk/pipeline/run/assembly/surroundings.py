@@ -31,6 +31,7 @@ from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.pymoveit2_releases import served_older_releases
 from tracerisk.ros.imports.python_names import removed_python_names
+from tracerisk.ros.keyboard.scripted_keys import ScriptedKeys
 from tracerisk.ros.robot.bring_up.answered_commands import answered_commands
 from tracerisk.ros.time.patches import virtual_time
 
@@ -99,7 +100,7 @@ def _answers(
     request: RunRequest, world: SimulatedWorld, graph: ServedGraph, watches: Watches
 ) -> Answers:
     """Return what the controller reads on its standard input."""
-    return Answers(
+    answers = Answers(
         (*request.answers, *world.scenario.answers),
         world.recorder,
         world.scheduler,
@@ -109,6 +110,9 @@ def _answers(
         firsts_come_ns=graph.scenario.firsts_come_ns,
         is_moving=lambda: watches.run.is_commanding,
     )
+    # Libraries that read keys by themselves.
+    graph.runtime.clients[ScriptedKeys] = answers.keys
+    return answers
 
 
 def _moved_files(

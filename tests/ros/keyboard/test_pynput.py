@@ -1,0 +1,39 @@
+"""Controllers that listen to keys by pynput."""
+
+LISTENS = """\
+import moveit_commander, rospy
+from pynput import keyboard
+from pynput.keyboard import Key
+
+rospy.init_node("keys")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+def jog(delta):
+    joints = arm.get_current_joint_values()
+    joints[0] += delta
+    arm.go(joints, wait=True)
+
+def on_press(key):
+    try:
+        if key.char == "a":
+            jog(0.1)
+    except AttributeError:
+        if key == Key.up:
+            jog(-0.1)
+
+def on_release(key):
+    return key != keyboard.Key.esc
+
+with keyboard.Listener(on_press=on_press, on_release=on_release) as listener:
+    listener.join()
+"""
+
+
+def test_a_listener_hears_each_key_that_its_code_names(example):
+    example.write("keys.py", LISTENS)
+    outcome = example.run("run", "keys.py", "--json")
+    assert outcome.code == 0, outcome.err
+    trace = outcome.json["trace"]
+    assert trace["end"]["cause"] == "ended"
+    assert [command["end"] for command in trace["commands"]] == ["arrived", "arrived"]
+    assert trace["verdict"]["kind"] == "partial"
