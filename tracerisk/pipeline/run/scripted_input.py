@@ -199,6 +199,8 @@ class Answers(io.TextIOBase):
                 # A part of what another question leads to.
                 answer = question.again()
             if answer is not None:
+                # A scenario lacks it still.
+                self.scheduler.miss(Need("input", asked))
                 self.recorder.finding(
                     "answer_assumed",
                     f"nobody answers {asked}: {question.words} is assumed, as its code would take "
