@@ -75,6 +75,21 @@ first = fkin([0, 0, 90, 0, 90, 0], DR_BASE)
 back = ikin(posx(list(first)), 2)
 """
 )
+WAITS = (
+    BEGIN
+    + """
+from DSR_ROBOT2 import *
+
+def wait_for(index, value):
+    asked = 0
+    while get_digital_input(index) != value:
+        asked += 1
+        wait(0.5)
+    return asked
+
+waited = [wait_for(1, ON), wait_for(1, OFF)]
+"""
+)
 WRONG = (
     BEGIN
     + """
@@ -99,6 +114,14 @@ wrong = [
 ]
 """
 )
+
+
+def test_an_input_that_a_program_waits_for_is_assumed_to_change(run_dsr):
+    ran = run_dsr(WAITS)
+    assert all(10 <= asked <= 12 for asked in ran["waited"])
+    found = [each.message for each in ran.recording.findings if each.kind == "answer_assumed"]
+    assert "ctrl_box_digital_input 1 is asked for again and again" in found[0]
+    assert "assumed to become 1" in found[0]
 
 
 @pytest.fixture

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 _STANDBY, _MOVING = 1, 2
 _IDLE, _BUSY = 0, 2
+_POLLED = 10  # times that a program asks for an input which it waits for
+_POLLED_NS = 2_000_000_000  # and for how long, while the arm rests
 
 Handler = Callable[[Any, Any], bool | None]
 
@@ -37,6 +39,7 @@ class DoosanReports(TwinNode):
         self._tools: set[str] = {""}
         self._current = {"tcp": "", "tool": ""}
         self._pins: dict[tuple[str, int], float] = {}
+        self._polls: dict[tuple[str, int], tuple[object, int, int]] = {}
 
     def _services(self) -> Mapping[str, Mapping[str, Handler]]:
         """Return the handlers by folder and name."""
@@ -77,13 +80,13 @@ class DoosanReports(TwinNode):
                 ),
             },
             "io": {
-                f"{verb}_{place}": (self._set_pin if verb == "set" else self._get_pin)(place)
-                for verb, places in (
-                    ("set", ("ctrl_box_digital_output", "tool_digital_output")),
-                    ("set", ("ctrl_box_analog_output",)),
-                    ("get", ("ctrl_box_digital_output", "tool_digital_output")),
-                    ("get", ("ctrl_box_digital_input", "tool_digital_input")),
-                    ("get", ("ctrl_box_analog_input",)),
+                f"{verb}_{place}": handler(place)
+                for verb, handler, places in (
+                    ("set", self._set_pin, ("ctrl_box_digital_output", "tool_digital_output")),
+                    ("set", self._set_pin, ("ctrl_box_analog_output",)),
+                    ("get", self._get_pin, ("ctrl_box_digital_output", "tool_digital_output")),
+                    ("get", self._get_input, ("ctrl_box_digital_input", "tool_digital_input")),
+                    ("get", self._get_pin, ("ctrl_box_analog_input",)),
                 )
                 for place in places
             },
@@ -204,6 +207,31 @@ class DoosanReports(TwinNode):
         def fill(request: Any, answer: Any) -> bool:
             number = request.index if hasattr(request, "index") else request.channel
             return _filled(answer, value=type(answer.value)(self._pins.get((place, number), 0.0)))
+
+        return fill
+
+    def _get_input(self, place: str) -> Handler:
+        """Return what answers for an input; one that is waited for is assumed to change."""
+        get = self._get_pin(place)
+
+        def fill(request: Any, answer: Any) -> bool | None:
+            pin, now_ns = (place, request.index), self._scheduler.now_ns
+            outputs = sorted(item for item in self._pins.items() if "output" in item[0][0])
+            rest = ([round(value, 1) for value in self._motion.positions()], outputs)
+            before, since_ns, count = self._polls.get(pin, (None, now_ns, 0))
+            if before != rest:
+                since_ns, count = now_ns, 0
+            self._polls[pin] = rest, since_ns, count + 1
+            if count >= _POLLED and now_ns - since_ns >= _POLLED_NS:
+                self._pins[pin] = 1.0 - self._pins.get(pin, 0.0)
+                self._polls[pin] = rest, now_ns, 0
+                self._commands.report(
+                    "answer_assumed",
+                    f"{place} {request.index} is asked for again and again while nothing moves: "
+                    f"it is assumed to become {self._pins[pin]:.0f}",
+                    object_name=f"{place} {request.index}",
+                )
+            return get(request, answer)
 
         return fill
 
