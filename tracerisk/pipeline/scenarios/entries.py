@@ -166,7 +166,16 @@ def useful_drafts(drafts: tuple[Draft, ...], runs: Sequence[ControllerRun]) -> t
 
 def is_accompanied(run: ControllerRun) -> bool:
     """Return whether nodes of the workspace were started beside the controller."""
-    return any(line.startswith("started beside:") for line in run.trace.assumptions)
+    return _has_companions(run.trace)
+
+
+def is_beside(attempt: Attempt) -> bool:
+    """Return whether a run showed risk with nodes of the workspace beside the controller."""
+    return attempt.trace is not None and attempt.is_traced and _has_companions(attempt.trace)
+
+
+def _has_companions(trace: Trace) -> bool:
+    return any(line.startswith("started beside:") for line in trace.assumptions)
 
 
 def names_own_joints(draft: Draft, written: Mapping[str, Any]) -> bool:

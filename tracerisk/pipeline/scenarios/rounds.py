@@ -34,6 +34,7 @@ from tracerisk.pipeline.scenarios.entries import (
     answered_alone,
     as_streams,
     is_accompanied,
+    is_beside,
     is_given,
     merged,
     names_own_joints,
@@ -493,6 +494,9 @@ class Rounds:
                         move_aside(entry, n_objects)
                 self._give(entries, draft)
                 is_new = True
+        if is_beside(attempt):
+            # They answer it themselves, as the author means it.
+            left.clear()
         if not is_new:
             # The run that lacked it had those nodes beside it.
             for draft in left:

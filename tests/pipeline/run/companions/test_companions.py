@@ -312,6 +312,42 @@ def test_what_a_sibling_provides_is_not_drafted_for_a_node_that_has_to_be_brough
     assert any("angles.py" in line for line in ran.json["trace"]["assumptions"])
 
 
+TURNED = """\
+import rclpy
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("turned")
+    arm = node.create_publisher(JointTrajectory, "/panda_arm_controller/joint_trajectory", 1)
+    client = node.create_client(Trigger, "next_angle")
+    client.wait_for_service()
+    future = client.call_async(Trigger.Request())
+    rclpy.spin_until_future_complete(node, future)
+    point = JointTrajectoryPoint()
+    point.positions = [float(future.result().message)] + [0.0, 0.0, -1.5, 0.0, 1.5, 0.7]
+    point.time_from_start.sec = 2
+    names = [f"panda_joint{number}" for number in range(1, 8)]
+    arm.publish(JointTrajectory(joint_names=names, points=[point]))
+    rclpy.spin(node)
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_a_drafted_file_leaves_to_a_sibling_what_it_provides(example):
+    example.write("package.xml", PACKAGE.format("cell"))
+    example.write("scripts/turned.py", TURNED)
+    example.write("scripts/angles.py", ANGLES)
+    drafted = example.run("scenario", "scripts/turned.py", "--robot", "panda")
+    assert drafted.code == 0, drafted.err
+    assert "services:" not in drafted.out
+
+
 FRONT = """\
 import sys
 import rospy
