@@ -37,8 +37,8 @@ def chosen_by(script: Path) -> tuple[str, str]:
     ("script", "files", "robot", "expected"),
     [
         (ARM + "ur3e_home = 0\n", {}, "ur3e", "its source (pick.py)"),
-        (ARM + "# of the UR10\n", {}, "ur10", "its comments (pick.py)"),
-        ('"""Moves a UR-5e."""\n' + ARM, {}, "ur5e", "its comments (pick.py)"),
+        (ARM + "# of the UR10\n", {}, "ur10", "its comments or docstrings (pick.py)"),
+        ('"""Moves a UR-5e."""\n' + ARM, {}, "ur5e", "its comments or docstrings (pick.py)"),
         (ARM, {"manifest": MANIFEST.format("ur5_cell")}, "ur5",
          "the package's manifest (cell/package.xml)"),
         (ARM, {"cell__launch__cell_DOT_launch": '<arg name="type" default="ur3"/>'}, "ur3",
@@ -48,7 +48,7 @@ def chosen_by(script: Path) -> tuple[str, str]:
         (ARM, {"README_DOT_md": "# A cell with a UR10e"}, "ur10e", "a readme (README.md)"),
         (GROUP, {"manifest": DEPENDING.format("ur5_moveit_config")}, "ur5",
          "what its package depends on (package.xml)"),
-        (ARM + "# not the UR3\n", {"cell__ur5_DOT_yaml": "ur5"}, "ur3", "its comments (pick.py)"),
+        (ARM + "# not the UR3\n", {"cell__ur5_DOT_yaml": "ur5"}, "ur3", "its comments or docstrings (pick.py)"),
     ],
 )  # fmt: skip
 def test_the_heaviest_evidence_decides_and_is_reported(tmp_path, script, files, robot, expected):
@@ -110,7 +110,8 @@ def test_what_a_readme_alone_speaks_of_is_assumed_and_not_a_generic_arm(tmp_path
     found = choose_robot(api.load_controller(script), Settings()).robot
     assert found.name == robot
     if robot != "generic":
-        assert found.doubt == f"nothing names it but that {robot} is named in a readme (README.md)"
+        said = f"{robot} is named in a readme (README.md)"
+        assert found.doubt == f"all that speaks for it is that {said}"
 
 
 @pytest.mark.parametrize(

@@ -163,7 +163,7 @@ def test_numbered_joints_need_a_name(tmp_path):
     assert (own.name, own.doubt) == ("xarm6", "")
     said = chosen(tmp_path / "b", go_DOT_py=f"joints = {SIX}\n", README_DOT_md="the xArm 6\n").robot
     assert said.name == "xarm6"
-    assert "nothing names it but" in said.doubt
+    assert "all that speaks for it is that " in said.doubt
 
 
 def test_a_robot_of_which_only_the_name_is_named_assumes_the_groups_it_lacks(tmp_path):

@@ -471,8 +471,8 @@ def test_a_call_that_led_to_no_command_is_reported_first_and_may_be_accepted():
     branch = MissedCommand("pick", "self.arm.go", HERE, was_executed=False)
     verdict = judge(recorded(missed=(branch,)), [accepted])
     assert verdict_line(verdict) == (
-        "partial: this call of self.arm.go never ran; another led to a command "
-        "(cell.py:12, in pick); 3 of 3 functions with commands ran"
+        "partial: this call of self.arm.go never ran: what it would command is in no "
+        "figure (cell.py:12, in pick); 3 of 3 functions with commands ran"
     )
     assert [reason.code for reason in verdict.reasons] == ["never-called"]
 

@@ -141,6 +141,15 @@ def test_a_contact_is_named_with_force_time_and_its_distance_from_the_grasp():
     assert text == "palm touches tube in pick: up to 30 N, 0.50 s, 1.5 s before it is held"
 
 
+def test_a_held_thing_that_is_pressed_on_is_named_with_what_would_be_expected():
+    pressed, gentle = (touch("tube", "floor", force=force) for force in (26.0, 3.0))
+    pair = UnexpectedContact(ref("pick"), "tube", "floor")
+    text = "tube, which is held, touches floor in pick: up to 26 N, 0.50 s"
+    borne = "what a thing is lifted from or put on may bear 20 N and twice its weight"
+    assert contact_text(pair, [pressed], {"palm"}) == f"{text}; {borne}"
+    assert "bear" not in contact_text(pair, [gentle], {"palm"})
+
+
 @pytest.mark.parametrize(
     ("now", "is_same"),
     [

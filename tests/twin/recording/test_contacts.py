@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tracerisk.common.traced.elements import GENTLE_N
 from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.contact_log import (
     LOOK_EVERY,
@@ -17,7 +18,6 @@ from tracerisk.twin.recording.contact_log import (
 )
 from tracerisk.twin.recording.contact_pairs import Hold, hand_links, moved_by, pair_touches
 from tracerisk.twin.recording.contacts import (
-    GENTLE_N,
     RunContacts,
     contact_activity,
     run_contacts,

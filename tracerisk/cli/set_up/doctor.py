@@ -261,8 +261,10 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
     try:
         choice = choose_launched_robot(controller, settings, launch)
         robot = choice.robot
-        doubt = "; some figures are assumed" if robot.approximate else ""
-        of_controller["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
+        # Where it is assumed, that says as well why it is this one.
+        said = [] if robot.chosen_by in robot.doubt else [robot.chosen_by]
+        said += ["some figures are assumed"] if robot.approximate else []
+        of_controller["robot"] = robot.name + (f" ({'; '.join(said)})" if said else "")
         if robot.doubt:
             of_controller["robot assumed"] = robot.doubt
         if choice.evidence:

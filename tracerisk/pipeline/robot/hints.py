@@ -62,9 +62,9 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     needs = [name for name in declared_needs(controller.root) if _OF_A_ROBOT.search(name)]
     yield Hint("what its package depends on", {PACKAGE_FILE: "\n".join(needs)})
     yield from _paths(controller)
-    yield Hint("its comments", {name: own.said})
+    yield Hint("its comments or docstrings", {name: own.said})
     said = {path.relative_to(top).as_posix(): modules[path].said for path in sorted(direct)}
-    yield Hint("a module's comments", said)
+    yield Hint("a module's comments or docstrings", said)
     beside = sibling_programs(controller)
     said = {item.path.name: _read(item.source, tree).spoken for item in beside}
     yield Hint("a program beside it", said)

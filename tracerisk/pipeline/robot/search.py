@@ -246,7 +246,7 @@ def _doubts(ranking: Ranking, gathered: Gathered) -> Iterator[str]:
         where = " in the workspace" if keys.issuperset(ranking.rivals) else ""
         yield f"{others}{where} would fit as well; name it with --robot"
     elif not ranking.is_sure:
-        yield f"nothing names it but that {_reason(ranking.best, gathered)}"
+        yield f"all that speaks for it is that {_reason(ranking.best, gathered)}"
 
 
 def _doubted(robot: Robot, doubts: Sequence[str]) -> Robot:

@@ -368,7 +368,7 @@ def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
 
 def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
     for call in missed:
-        words = f"this call of {call.call} never ran; another led to a command"
+        words = f"this call of {call.call} never ran: what it would command is in no figure"
         if call.was_executed:
             words = f"this call of {call.call} led to no command; another did"
         yield _reason(

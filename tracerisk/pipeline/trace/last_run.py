@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.plain_data import MismatchError, read_plain
+from tracerisk.common.traced.elements import GENTLE_N
 
 if TYPE_CHECKING:
     from tracerisk.common.traced.elements import Contact
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 _UNCOVERED, _CONTACTS, _TOUCHES = "uncovered", "unexpected_contacts", "touches"
 _WHOLE_N = 10.0  # forces from here on are given in whole newtons
+_OF_SUPPORT = (
+    f"what a thing is lifted from or put on may bear {GENTLE_N:.0f} N and twice its weight"
+)
 _ALIKE = 0.2
 """The share by which two touches may differ in force and duration, and be the same."""
 _ALIKE_S = 0.02
@@ -134,9 +138,12 @@ def contact_text(
             f"{visits}; its force is not simulated"
         )
     force = max(touch.force_n for touch in touches)
-    what = link if link in links else f"{link}, which is held,"
     text = f"up to {_newtons(force)} N, {seconds:.2f} s{visits}"
-    return f"{what} touches {other} in {function}: {text}{grasp_text(Touches.of(touches))}"
+    if link in links:
+        gap = grasp_text(Touches.of(touches))
+        return f"{link} touches {other} in {function}: {text}{gap}"
+    why = f"; {_OF_SUPPORT}" if force > GENTLE_N else ""
+    return f"{link}, which is held, touches {other} in {function}: {text}{why}"
 
 
 def grasp_text(touches: Touches) -> str:

@@ -304,7 +304,7 @@ def _commands(
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
             if issued.grip == "closes" and not issued.holds:
-                place = grasp_place(robot, gripper, samples, command.issue_ns)
+                place = grasp_place(robot, gripper, samples, command.issue_ns, command.end_ns)
                 issued = replace(issued, place=place)
         yield issued
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.common.traced.elements import Contact, Element, Payload
+from tracerisk.common.traced.elements import GENTLE_N, Contact, Element, Payload
 from tracerisk.twin.recording.activity import LIMITS, ElementActivity, hysteresis
 from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody
 from tracerisk.twin.recording.contact_pairs import (
@@ -33,12 +33,6 @@ _GAP_S = 0.1  # touches of a pair that are no further apart are one [s]
 AROUND_S = 1.0
 """A hand may touch what it grasps for so long before and after [s]."""
 _SUPPORT_S = 0.5  # what bears a thing is what touches it so near to its grasp or release [s]
-GENTLE_N = 20.0
-"""The normal force up to which a held thing may press on what bears it, twice its weight more.
-
-Own choice: a servo of 2000 N m/rad half a metre away presses with 8 N for each millimetre that a
-set-point lies below a surface, and in the shipped samples no held thing is pressed on with 3 N.
-"""
 _GRAVITY = 9.81  # [m/s^2]
 
 

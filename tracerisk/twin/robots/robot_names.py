@@ -59,7 +59,7 @@ class Hint:
     """Texts of one weight that may name the robot."""
 
     what: str
-    """What they are, for messages: `its comments`."""
+    """What they are, for messages: `its comments or docstrings`."""
     texts: Mapping[str, str]
     """Each text by the file or folder that it is from."""
     has_lines: bool = False
