@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 from textwrap import wrap
@@ -49,7 +50,11 @@ def hardware_table(
         for row in rows
         for line in zip_longest(*map(_broken, row, widths), fillvalue="")
     ]
-    numbered = [f"[{number}] {text}" for number, text in enumerate(sources, start=1)]
+    numbered = [
+        line
+        for number, text in enumerate(sources, start=1)
+        for line in _broken(f"[{number}] {text}", width)
+    ]
     return [*lines, *([""] if numbered else []), *numbered]
 
 
@@ -63,8 +68,8 @@ def _fitted(widths: list[int], width: int | None) -> list[int]:
     return widths
 
 
-def _broken(cell: str, width: int) -> list[str]:
-    return wrap(cell, width, subsequent_indent=" ") or [""]
+def _broken(cell: str, width: int | None) -> list[str]:
+    return [cell] if width is None else wrap(cell, width, subsequent_indent=" ") or [""]
 
 
 def figure_text(figure: FailureFigure) -> str:
@@ -149,7 +154,21 @@ def _binding(twin: TwinBinding) -> Iterator[str]:
 
 
 def _joined(names: Sequence[str]) -> str:
-    return ", ".join(names) if len(names) <= 2 else f"{names[0]} to {names[-1]} ({len(names)})"
+    """Return names in their order, those of three or more numbers in a row by first and last."""
+    parts: list[str] = []
+    row: list[str] = []
+    for name in [*names, ""]:
+        if row and name != _next(row[-1]):
+            parts += row if len(row) < 3 else [f"{row[0]} to {row[-1]}"]
+            row = []
+        row.append(name)
+    return ", ".join(parts)
+
+
+def _next(name: str) -> str | None:
+    """Return the name with the number after that at its end, `joint5` for `joint4`."""
+    end = re.search(r"\d+$", name)
+    return None if end is None else f"{name[: end.start()]}{int(end[0]) + 1}"
 
 
 def _source(component: Component, default: str | None, sources: list[str]) -> Iterator[str]:

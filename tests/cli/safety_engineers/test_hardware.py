@@ -53,6 +53,31 @@ def test_a_description_is_shown_with_units_places_and_sources(cell):
     assert outcome.out == (Path(__file__).parent / "hardware_cell.txt").read_text()
 
 
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (["joint1", "joint4", "joint5", "joint6"], "joints joint1, joint4 to joint6"),
+        (["joint2", "joint3"], "joints joint2, joint3"),
+        (
+            ["joint1", "joint2", "joint4", "wrist", "elbow"],
+            "joints joint1, joint2, joint4, wrist, elbow",
+        ),
+        ([f"joint{number}" for number in range(1, 8)], "joints joint1 to joint7"),
+    ],
+)
+def test_the_joints_of_a_component_are_named_by_rows_of_their_numbers(example, names, told):
+    rate = "failure_rate: {value: 1e-7, per: hour}"
+    motor = f"{{{rate}, twin: {{joints: [{', '.join(names)}]}}}}"
+    example.write("cell.yaml", f"components:\n  motor: {motor}\n")
+    lines = example.run("hardware", "show", "cell.yaml").out.splitlines()
+    assert max(map(len, lines)) <= 80
+    place = lines[1].index("seen at")
+    assert (
+        " ".join(" ".join(line[place : lines[1].index("source")] for line in lines[2:]).split())
+        == told
+    )
+
+
 def test_with_a_robot_the_units_are_those_of_the_robot(cell):
     outcome = cell.run("hardware", "show", "cell.yaml", "--robot", "panda", "--json")
     assert outcome.code == 0, outcome.err

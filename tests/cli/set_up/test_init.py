@@ -90,10 +90,35 @@ def test_the_hook_that_it_prints_for_git_alone_is_the_one_of_the_tutorial(cell):
     assert hook == "#!/bin/sh\nexec tracerisk check\n"
 
 
+@pytest.mark.parametrize(
+    ("scenarios", "expected"),
+    [
+        (["cell"], 'scenario = "cell.scenario.yaml"\n# The'),
+        (["pick"], 'scenario = "pick.scenario.yaml"\n# The'),
+        (["cell", "other"], None),
+        (
+            ["cell", "pick"],
+            '\n[tool.tracerisk.controllers."src/pick.py"]\nscenario = "pick.scenario.yaml"\n',
+        ),
+    ],
+)
+def test_the_scenario_that_is_there_is_a_setting(cell, scenarios, expected):
+    for name in scenarios:
+        cell.write(f"{name}.scenario.yaml", "start: {}\n")
+    cell.run("init", "--yes")
+    text = cell.read("pyproject.toml").decode()
+    assert (expected in text) if expected else ("scenario" not in text)
+    used = cell.run("doctor", "src/pick.py", "--json").json["settings"]["scenario"]["value"]
+    assert (used is None) == (expected is None)
+    assert used is None or Path(used).name in expected
+
+
 def test_it_says_how_the_hook_comes_to_work(cell):
     wanted = "Next: `pip install pre-commit`, then `pre-commit install`"
     assert wanted not in cell.run("init").out
-    assert wanted in cell.run("init", "--yes").out
+    said = cell.run("init", "--yes").out
+    assert wanted in said
+    assert f"where it is on PATH, here after `source {sys.prefix}/bin/activate`." in said
     assert wanted not in cell.run("init", "--yes").out
 
 

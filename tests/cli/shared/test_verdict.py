@@ -52,6 +52,35 @@ def test_an_acceptance_that_does_not_occur_is_reported_by_run_and_check(example,
     assert "accepted, and did not occur; remove it: error-logged" in checked.err
 
 
+def test_a_check_says_once_how_reasons_are_mended_and_the_entries_where_asked(example, quick):
+    example.write("c.py", quick('rospy.logerr("no lamp")', 'rospy.logerr("no tube")'))
+    assert example.run("run", "c.py", "-q").code == 1
+    brief = example.run("check", "c.py").out
+    assert re.search(r"faulted: it logged ERROR: no lamp \(in act\)\n", brief)
+    assert brief.count("`tracerisk run c.py`") == 1
+    assert "accept = " not in brief
+    assert "c.py: for each of these 2: mend it, then `tracerisk run c.py`" in brief
+    whole = example.run("check", "c.py", "-v")
+    assert whole.out.count("accept = [{code = ") == 2
+    assert 'accept = [{code = "never-ran", function = "home", words = "WHY"}]' in whole.err
+    remedies = [finding["remedy"] for finding in example.run("check", "--json").json["findings"]]
+    assert all("accept = [{code = " in remedy for remedy in remedies)
+
+
+def test_a_refresh_names_the_lines_that_a_check_then_names(example, logs, hardware):
+    example.write("c.py", logs)
+    example.run("run", "c.py", "-q")
+    place = re.compile(r"c\.py:\d+, in act")
+    checked = place.findall(example.run("check", "-v").out)
+    assert checked
+    assert checked == place.findall(example.run("refresh").err)
+    # With one component the blocks are shorter.
+    example.write("arm.yaml", hardware)
+    example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "arm.yaml"\n')
+    refreshed = place.findall(example.run("refresh", "c.py").err)
+    assert refreshed == place.findall(example.run("check", "-v").out) != checked
+
+
 def test_a_change_that_accepts_its_own_fault_is_reported_first_and_can_fail(
     repository, logs, quick
 ):

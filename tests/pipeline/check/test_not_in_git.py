@@ -38,6 +38,17 @@ def test_blocks_that_are_staged_without_lock_and_hardware_do_not_pass(cell):
     assert cell.run("check").code == 0
 
 
+def test_a_clone_of_its_own_inside_of_the_repository_is_not_checked_with_it(cell):
+    cell.git("add", "cell.py", "tracerisk.lock", "arm.yaml")
+    cell.git("clone", "--quiet", ".", "copy")
+    for name in ("cell.py", "tracerisk.lock", "arm.yaml"):
+        cell.write(f"copy/{name}", cell.read(name))
+    assert "1 controller checked" in cell.run("check").err
+    assert "1 controller checked" in cell.run("check", "copy").err
+    (cell.folder / "copy/tracerisk.lock").unlink()
+    assert "1 controller checked" in cell.run("check").err
+
+
 def test_a_lock_that_git_ignores_does_not_pass(cell):
     cell.write(".gitignore", "*.lock\n")
     cell.git("add", "cell.py", "arm.yaml")

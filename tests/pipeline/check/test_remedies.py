@@ -135,3 +135,19 @@ def test_a_compiled_node_runs_by_its_command_alone(tmp_path, monkeypatch, code, 
     verdict = Verdict("partial", (Reason(code, "partial", "so it was"),))
     (finding,) = verdict_findings(load_controller(Path("pick.cpp")), verdict)
     assert finding.remedy.startswith(remedy.format(file="pick.cpp"))
+
+
+def test_a_changed_description_that_no_refresh_can_read_is_the_error(example):
+    wrong = "components:\n  motor: {probability: {value: 2, per: visit}, twin: {joints: '*'}}\n"
+    example.write("arm.yaml", wrong.replace("2, per", "2e-07, per"))
+    example.write("run.log", "Function:home()\nActiveComponents:motor\n\nCallSequence:home()\n")
+    example.write("cell.py", "def home(arm):\n    arm.go()\n")
+    written = example.run("annotate", "cell.py", "--log", "run.log", "--hardware", "arm.yaml")
+    assert written.code == 0, written.err
+    example.write("arm.yaml", wrong)
+    outcome = example.run("check", "cell.py")
+    assert outcome.code == 2
+    assert "arm.yaml:2:" in outcome.out
+    assert "[hardware]" in outcome.out
+    example.write("arm.yaml", wrong.replace("2, per", "3e-07, per"))
+    assert "stale: arm.yaml has changed" in example.run("check", "cell.py").out

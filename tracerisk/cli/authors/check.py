@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -17,13 +18,14 @@ from tracerisk.cli.shared.output import (
     write_file,
 )
 from tracerisk.cli.shared.values import probability
-from tracerisk.common.verdict import verdict_line
+from tracerisk.common.verdict import GAPS, verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import check_controllers
 from tracerisk.pipeline.check.finding import Checked, finding_data
-from tracerisk.pipeline.check.run import CoverageLimits
+from tracerisk.pipeline.check.remedies import as_typed
+from tracerisk.pipeline.check.run import ACCEPTED_BY, OF_VERDICT, CoverageLimits
 from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
 from tracerisk.pipeline.workspace.project import Projects
 
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     import argparse
 
     from tracerisk.common.verdict import Verdict
+    from tracerisk.pipeline.check.finding import CheckFinding
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +59,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--watch", action="store_true", help="check again whenever a file changes that it reads"
     )
     shared.add_ci_reports(parser)
-    shared.add_json(parser)
+    words = "print with each reason of a verdict the entry that accepts it"
+    shared.add_json(parser, verbose=words)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -126,9 +130,10 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
     for check_finding in checked:
         if not options.quiet:
             show(f"{check_finding.path}: {_verdict_of(check_finding)}")
-    for line in [*map(str, findings), *(error.with_code for error in errors)]:
-        show(line)
-    for line in _notes(checked):
+    for check_finding in checked:
+        show(*_lines(check_finding, is_brief=not options.verbose))
+    show(*(error.with_code for error in errors))
+    for line in _notes(checked, is_brief=not options.verbose):
         note(line, quiet=options.quiet)
     note_unread_hardware(paths, projects, quiet=options.quiet)
     bad = len(errors) + sum(1 for check_finding in checked if check_finding.findings)
@@ -168,13 +173,35 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
 
 def _verdict_of(checked: Checked) -> str:
     """Return the verdict in words, and whether the run that it is of is not that of now."""
-    verdict = _as_typed(checked)
+    verdict = _with_files(checked)
     is_stale = any(finding.kind == "stale" for finding in checked.findings)
     behind = " (of the run behind the blocks, which is stale)" if is_stale and verdict else ""
     return f"{verdict_line(verdict)}{behind}"
 
 
-def _as_typed(checked: Checked) -> Verdict | None:
+def _lines(checked: Checked, *, is_brief: bool) -> Iterator[str]:
+    """Yield the findings of a controller, a line each.
+
+    Of reasons that are all mended in one way, a brief list says once how.
+    """
+    kinds = OF_VERDICT.values()
+    of_verdict = [finding for finding in checked.findings if finding.kind in kinds]
+    ways = Counter(_way(finding) for finding in of_verdict)
+    for finding in checked.findings:
+        is_shared = finding in of_verdict and ways[_way(finding)] > 1
+        yield str(finding._replace(remedy="") if is_brief and is_shared else finding)
+    for way, count in ways.items() if is_brief else ():
+        if count > 1:
+            entries = f"`tracerisk check -v {as_typed(checked.path)}` prints what accepts each"
+            yield f"{checked.path}: for each of these {count}: {way}; {entries}"
+
+
+def _way(finding: CheckFinding) -> str:
+    """Return how the reason behind a finding is mended, without the entry that accepts it."""
+    return finding.remedy.partition(ACCEPTED_BY)[0]
+
+
+def _with_files(checked: Checked) -> Verdict | None:
     """Return a verdict with files as a user would type them from here."""
     verdict = checked.verdict
     if verdict is None or not verdict.reasons:
@@ -182,7 +209,7 @@ def _as_typed(checked: Checked) -> Verdict | None:
     return verdict.with_files(from_here(controller_root(checked.path)))
 
 
-def _notes(checked: Sequence[Checked]) -> Iterator[str]:
+def _notes(checked: Sequence[Checked], *, is_brief: bool) -> Iterator[str]:
     """Yield what a user should know of verdicts that pass."""
     for check_finding in checked:
         if is_c(check_finding.path.name):
@@ -194,9 +221,12 @@ def _notes(checked: Sequence[Checked]) -> Iterator[str]:
                 f"{check_finding.path}: its lock is of a tracerisk without verdicts; "
                 f"`tracerisk refresh {check_finding.path}` gives it one"
             )
-        elif (verdict := _as_typed(check_finding)) is not None:
+        elif (verdict := _with_files(check_finding)) is not None:
             for one in verdict.reasons:
                 if one.accepted:
                     yield f"{check_finding.path}: accepted: {one}: {one.accepted}"
+                elif one.code in GAPS and not is_brief:
+                    accepts = f"in [tool.tracerisk] accept = [{one.accept_entry}]"
+                    yield f"{check_finding.path}: passes, though {one.verdict}: {one}; {accepts}"
             for entry in verdict.unused_acceptances:
                 yield f"{check_finding.path}: accepted, and did not occur; remove it: {entry}"

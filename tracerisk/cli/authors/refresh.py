@@ -22,6 +22,7 @@ from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json, v
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
+from tracerisk.pipeline.annotate import at_annotated_lines
 from tracerisk.pipeline.check.refresh import refresh_controller
 from tracerisk.pipeline.freshness.known_controllers import (
     forget_gone,
@@ -32,6 +33,7 @@ from tracerisk.pipeline.freshness.known_controllers import (
 from tracerisk.pipeline.workspace.project import Project, Projects
 
 if TYPE_CHECKING:
+    from tracerisk.common.verdict import Verdict
     from tracerisk.pipeline.check.refresh import Refreshed
 
 
@@ -92,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
         )
         if done.annotated is not None:
             note_draft(done.annotated.trace, quiet=options.quiet)
-        verdict = as_typed(done.verdict, path)
+        verdict = as_typed(_verdict(done, options), path)
         is_fine = verdict_exit(verdict) == ExitCode.FINE
         first, *details = [verdict_line(verdict)] if is_fine else verdict_lines(verdict)
         for line in (f"{path}: {first}", *(f"  {detail}" for detail in details)):
@@ -105,6 +107,13 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json("refresh", exit_code=int(code), controllers=outcomes, forgotten=forgotten)
     return int(code)
+
+
+def _verdict(done: Refreshed, options: argparse.Namespace) -> Verdict | None:
+    """Return the verdict with the lines that the sources have now."""
+    if done.annotated is None or options.check or options.diff:
+        return done.verdict
+    return at_annotated_lines(done.annotated.trace, done.annotated).verdict
 
 
 def _state(done: Refreshed, path: Path) -> str:

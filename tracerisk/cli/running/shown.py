@@ -152,7 +152,8 @@ def _following(options: argparse.Namespace, trace: Trace, *, is_brief: bool) -> 
     if reasons and all(reason.code in GAPS for reason in reasons):
         lines.append(
             f"Note: what never ran has no part in the figure; `tracerisk check {name}` passes "
-            "that, unless `min_coverage` is set or a change made it so."
+            "that, unless `min_coverage` is set or a change made it so; with `-v` it prints the "
+            "entry that accepts it."
         )
     if options.check or options.diff:
         return [*lines, f"Next: `tracerisk run {name}` writes the blocks; nothing is written yet."]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, write
-from tracerisk.cli.shared.output import note, note_warnings, print_json, show
+from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.field.file import read_field
 from tracerisk.common.hardware.binding import bind
@@ -24,7 +23,6 @@ from tracerisk.common.hardware.starting_file import (
     starting_sysml,
     starting_yaml,
 )
-from tracerisk.common.text.columns import columns_of
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
 from tracerisk.errors import InputError, Location
@@ -115,8 +113,7 @@ def _show(options: argparse.Namespace) -> int:
         print_json("hardware", action="show", **_shown(hardware, bound))
         return 0
 
-    width = columns_of(sys.stdout) if sys.stdout.isatty() else None
-    show(f"{hardware.file}:", *hardware_table(hardware, bound, width))
+    show(f"{hardware.file}:", *hardware_table(hardware, bound, terminal_width()))
     return 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -81,6 +82,11 @@ def run(options: argparse.Namespace) -> int:
             "Next: `pip install pre-commit`, then `pre-commit install`: no hook works before.",
             f"Without pre-commit, this is the hook: {_PLAIN_HOOK}",
         )
+        if sys.prefix != sys.base_prefix:
+            show(
+                "Both call `tracerisk`: commit where it is on PATH, here after "
+                f"`source {shlex.quote(sys.prefix)}/bin/activate`."
+            )
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
     named = "" if start.robots else " --robot NAME"
     if not (start.root / LOCK_NAME).exists():

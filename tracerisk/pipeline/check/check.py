@@ -34,7 +34,11 @@ from tracerisk.pipeline.check.run import (
     verdict_findings,
     world_findings,
 )
-from tracerisk.pipeline.freshness.freshness import stale_reasons, values_reasons
+from tracerisk.pipeline.freshness.freshness import (
+    check_changed_hardware,
+    stale_reasons,
+    values_reasons,
+)
 from tracerisk.pipeline.freshness.known_controllers import (
     is_gone,
     moved_from,
@@ -62,7 +66,8 @@ def check_controller(
 ) -> Checked:
     """Return what keeps the blocks of the controller at `path` from being trusted.
 
-    Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
+    Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed,
+    HardwareError where the hardware description has changed and is.
     """
     check_once = _check_once(path, projects, limits)
     if not any(map(_sets_source_against_lock, check_once.findings)):
@@ -110,6 +115,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     effective = settings.with_options(given_options(recorded, controller))
     sources = _sources(controller, entry)
     _check_steps(controller, entry, sources)
+    check_changed_hardware(effective, recorded)
     findings = [
         *_stale(controller, entry, recorded, effective),
         *blocks_against_lock(

@@ -86,10 +86,11 @@ def refresh_controller(
         # A published log names no robot: there was no run to judge.
         is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
         is_settled = entry.is_settled and not wants_fresh and is_judged
-        kinds = {finding.kind for finding in check_controller(path, projects).findings}
+        checked = check_controller(path, projects)
+        kinds = {finding.kind for finding in checked.findings}
         if is_settled and not kinds & MENDED_BY_REFRESH:
             text = "nothing that it depends on has changed"
-            return Refreshed("fresh", text, verdict=kept_verdict(entry))
+            return Refreshed("fresh", text, verdict=checked.verdict)
         reasons = stale_reasons(recorded, controller, settings)
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)

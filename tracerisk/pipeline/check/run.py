@@ -26,12 +26,15 @@ from tracerisk.pipeline.workspace.controller import Controller
 if TYPE_CHECKING:
     from tracerisk.common.worlds.world_run import WorldRun
 
-_OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
+OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "complete": "partial",
     "partial": "partial",
     "faulted": "faulted",
     "stuck": "stuck",
 }
+"""The kind of the finding on a reason, by what the reason makes of a run."""
+ACCEPTED_BY = ", or in [tool.tracerisk] accept = "
+"""Between how a reason is mended and the entry that accepts it."""
 
 _MEND = "mend it, then `{run}`"
 _SCENARIO = "`tracerisk scenario {file} --write` drafts what provides it"
@@ -86,8 +89,8 @@ def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[Check
         message = f"{open_reason.words}{where}"
         remedy = _remedy(open_reason.code, controller.path)
         if open_reason.code in ACCEPTABLE:
-            remedy += f", or in [tool.tracerisk] accept = [{open_reason.accept_entry}]"
-        kind = _OF_VERDICT[open_reason.verdict]
+            remedy += f"{ACCEPTED_BY}[{open_reason.accept_entry}]"
+        kind = OF_VERDICT[open_reason.verdict]
         yield CheckFinding(kind, message, place, open_reason.function, remedy)
 
 

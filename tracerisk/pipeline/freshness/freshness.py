@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.hardware.formats import read_description
 from tracerisk.config import Settings
+from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.run_inputs import (
     GONE,
@@ -69,6 +72,17 @@ def values_reasons(
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
         texts.append(f"{EVIDENCE_NAME} has changed")
     return tuple(texts)
+
+
+def check_changed_hardware(settings: Settings, recorded: RunInputs) -> None:
+    """Raise HardwareError where the hardware description has changed and cannot be read.
+
+    No refresh would go on with it.
+    """
+    if settings.hardware is None or recorded.hardware == hardware_digest(settings):
+        return
+    with contextlib.suppress(DependencyError):  # a refresh says what to install
+        read_description(Path(settings.hardware), system=settings.system)
 
 
 def _comparable(recorded: RunInputs, root: Path) -> dict[str, str]:

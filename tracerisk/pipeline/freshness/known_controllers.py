@@ -16,7 +16,7 @@ from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, LockError
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.text.bounded import file_bytes
-from tracerisk.config import controller_root
+from tracerisk.config import controller_root, repository_above
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.freshness.run_inputs import RunInputs
@@ -117,8 +117,15 @@ def lock_folders(root: Path) -> Iterator[Path]:
 
 
 def _folders(root: Path) -> Iterator[tuple[Path, Sequence[str]]]:
-    """Yield the folders in and below one with the names of their files."""
-    for folder, folders, files in islice(os.walk(root), _MOST_FOLDERS):
+    """Yield the folders in and below one with the names of their files.
+
+    Environments are left out, and so are clones of other repositories inside of one.
+    """
+    is_in_repository = repository_above(root / LOCK_NAME) is not None
+    for number, (folder, folders, files) in enumerate(islice(os.walk(root), _MOST_FOLDERS)):
+        if number and is_in_repository and ".git" in folders:
+            folders.clear()
+            continue
         folders[:] = sorted(
             name for name in folders if not name.startswith(".") and name != "node_modules"
         )

@@ -99,7 +99,7 @@ def _on_github() -> StartFile:
     where = origin()
     why = f"{_WHY}a comment on the pull request"
     if not where.repository:
-        why += "; replace OWNER in it by who keeps tracerisk"
+        why += "; replace OWNER in it by who keeps tracerisk, and the tag by one that is there"
     content = template("github.yaml").replace(b"ACTION", where.action.encode())
     return StartFile(".github/workflows/risk.yml", content, why)
 

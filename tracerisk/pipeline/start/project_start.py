@@ -34,6 +34,8 @@ SETTINGS_SCHEMA = "pyproject.schema.json"
 
 _REFERENCE = b"#:schema "
 """How a TOML file begins that says by which schema it is written."""
+_SCENARIO = ".scenario.yaml"
+"""How the name of a scenario ends that `tracerisk scenario --write` writes beside a controller."""
 _SUBJECTS = {"hardware": "failure data", "pyproject": "settings"}
 
 _CLIENTS = frozenset(
@@ -291,7 +293,7 @@ def _settings(
         own = _lines_of(item, paths, named)
         form = [] if blocks in (None, settings.blocks) else [f"blocks = {json.dumps(blocks)}"]
         if b"[tool.tracerisk" not in before:
-            files.append(_settings_of(shown, before, [*own, *form], item, paths))
+            files.append(_settings_of(shown, before, [*own, *form], item, paths, folder))
             continue
         unread = {
             file: robot
@@ -321,8 +323,12 @@ def _own_tables(
     """Yield the table of each controller whose robot is described, and the setting in it."""
     for name, robot in robot_of.items():
         if robot in described:
-            table = f"[tool.tracerisk.controllers.{json.dumps(name)}]"
-            yield table, f"hardware = {json.dumps(described[robot])}"
+            yield _own_table(name), f"hardware = {json.dumps(described[robot])}"
+
+
+def _own_table(file: str) -> str:
+    """Return the table of the settings of one controller."""
+    return f"[tool.tracerisk.controllers.{json.dumps(file)}]"
 
 
 def _lines_of(
@@ -342,8 +348,21 @@ def _settings_of(
     own: Sequence[str],
     robot_of: Mapping[str, str],
     described: Mapping[str, str],
+    folder: Path,
 ) -> StartFile:
     """Return the settings of a folder, whose controllers have these robots."""
+    scenarios = {path.name for path in folder.glob(f"*{_SCENARIO}")}
+    by_controller = {
+        file: scenario
+        for file in robot_of
+        if (scenario := f"{Path(file).stem}{_SCENARIO}") in scenarios
+    }
+    tables: dict[str, list[str]] = {}
+    if len(scenarios) == 1 and (len(robot_of) == 1 or not by_controller):
+        own = [*own, f"scenario = {json.dumps(*scenarios)}"]
+    else:
+        for file, scenario in by_controller.items():
+            tables[_own_table(file)] = [f"scenario = {json.dumps(scenario)}"]
     lines = [
         "[tool.tracerisk]",
         *own,
@@ -354,7 +373,9 @@ def _settings_of(
     ]
     if len(set(robot_of.values())) > 1:
         for table, setting in _own_tables(robot_of, described):
-            lines += ["", table, setting]
+            tables.setdefault(table, []).append(setting)
+    for table, settings in tables.items():
+        lines += ["", table, *settings]
     newline = "\r\n" if b"\r\n" in before else "\n"
     gap = "" if not before else newline if before.endswith(b"\n") else 2 * newline
     text = gap + newline.join(lines) + newline
