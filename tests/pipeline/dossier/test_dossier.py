@@ -472,9 +472,8 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     record = json.loads((folder / "record.json").read_text())
     facts = dict(re.findall(r"^\| ([^|]+) \| (.+) \|$", text, re.MULTILINE))
     assert facts["band"] == record["band"]
-    assert record["band"].startswith(
-        "By 2,000 draws from the error factors of power, 90 % of it lies between "
-    )
+    assert record["band"].startswith("With 90 % probability that figure lies between ")
+    assert "by the error factors of power in 2,000 samples" in record["band"]
     seconds = float(facts["duration of the mission T"].removesuffix(" s"))
     trace = json.loads((folder / "trace.json").read_text())
     assert seconds == pytest.approx(trace["end"]["simulated_s"], rel=DIGITS)

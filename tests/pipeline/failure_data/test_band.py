@@ -35,8 +35,8 @@ def test_it_is_that_of_the_lognormal_where_one_figure_counts(hardware):
     assert band.high == pytest.approx(3e-6, rel=0.01)
     assert (band.drawn, band.exact) == (("motor",), ("gripper",))
     assert band.words == (
-        "By 2,000 draws from the error factors of motor, 90 % of it lies between "
-        f"{band.low:.1e} and {band.high:.1e}; those of gripper count as exact."
+        f"With 90 % probability that figure lies between {band.low:.1e} and {band.high:.1e}, by "
+        "the error factors of motor in 2,000 samples; gripper has none and counts as exact."
     )
 
 
@@ -47,7 +47,17 @@ def test_without_an_error_factor_there_is_none(hardware):
 
 def test_without_what_draws_samples_there_is_none(hardware, monkeypatch):
     monkeypatch.setattr(module, "is_installed", lambda name: name != "scipy")
-    assert of(hardware(motor=", error_factor: 3", gripper="")) is None
+    description = hardware(motor=", error_factor: 3", gripper="")
+    assert of(description) is None
+    assert module.band_lacks(description) == (
+        "How far that figure may be off follows from the error factors of motor; `pip install "
+        "'tracerisk[large]'` brings what draws samples of them."
+    )
+    assert module.band_lacks(hardware(motor="", gripper="")) == ""
+
+
+def test_where_samples_can_be_drawn_nothing_is_lacking(hardware):
+    assert module.band_lacks(hardware(motor=", error_factor: 3", gripper="")) == ""
 
 
 def test_the_same_inputs_give_the_same_band(hardware):

@@ -115,7 +115,7 @@ def test_the_chain_is_drawn_with_every_state_and_transition(document, arm):
     ]  # fmt: skip
     labels = texts(classed(drawing, "figure", "text"))
     tops = [state.top_event for state in solve(arm).states]
-    assert sorted(labels) == sorted(["0.1", "0.9", "1", *(f"{top:.3e}" for top in tops)])
+    assert sorted(labels) == sorted(["1/10", "9/10", "1", *(f"{top:.3e}" for top in tops)])
     assert len(rows(document, "transitions")) == len(edges)
 
 
@@ -269,6 +269,27 @@ def test_pins_are_reported_with_reason_and_drift(arm, report_of, parsed):
     assert first == ["move.motor.probability", "2e-7", "1e-7", "+100 %", "FMEA-112", "a.py:1"]
     assert second[2:5] == ["\N{EN DASH}", "\N{EN DASH}", "none givenwithout a reason"]
     assert rows(page, "pins")[0].xpath(".//a/@href") == ["#source-1-1"]
+    headings = rows(page, "pins")[0].xpath("./td/@data-heading")
+    assert headings == ["set by hand", "computed now", "drift", "reason", "place"]
+
+
+def test_a_figure_set_by_hand_is_said_where_it_drives_the_headline_and_at_its_component(
+    arm, report_of, parsed
+):
+    place = Location("a.py", 1)
+    first = solve(arm).components[0].component
+    hardware = Hardware("cell.yaml", (Component(first, (), quantity=None),))
+    page = parsed(render_report(report_of(arm, hardware=hardware)))
+    assert "by hand" not in page.xpath("string(//*[@class='cause'])")
+    assert texts(rows(page, "hardware")[0].xpath("./*"))[1] == "7"
+    pins = (
+        Override("value", f"Cell.move.{first}.probability", "2e-7", place, "1e-7"),
+        Override("value", f"Cell.move.{first}.quantity", "2", place, "1"),
+    )
+    page = parsed(render_report(report_of(arm, hardware=hardware, pins=pins)))
+    assert page.xpath("string(//*[@class='cause'])").startswith(f"Without failures of {first}, ")
+    assert "(its figure is set by hand in Cell.move)" in page.xpath("string(//*[@class='cause'])")
+    assert texts(rows(page, "hardware")[0].xpath("./*"))[-1] == "usedby hand in Cell.move"
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,3 +35,11 @@ class Override:
     def exceeds(self, max_drift: float) -> bool:
         """Return whether the drift is known and greater, above or below, than `max_drift` [%]."""
         return self.drift is not None and abs(self.drift) > max_drift
+
+
+def drift_text(drift: float) -> str:
+    """Return a finite drift [%] with three digits that count, below a million without exponent."""
+    size = abs(drift)
+    if 1e3 <= size < 1e6:
+        return f"{round(drift, 2 - math.floor(math.log10(size))):+,.0f} %"
+    return f"{drift:+.3g} %" if drift else "0 %"

@@ -18,7 +18,7 @@ from tracerisk.instrument.source.language import is_c_like
 from tracerisk.instrument.source.python_source import decoded
 from tracerisk.pipeline.check.overrides import overrides_in
 from tracerisk.pipeline.dossier.record import make_record
-from tracerisk.pipeline.failure_data.band import figure_band
+from tracerisk.pipeline.failure_data.band import band_lacks, figure_band
 from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
 from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
 from tracerisk.pipeline.model import blocks_of
@@ -194,7 +194,7 @@ def band_shown(
         robot=run.trace.robot,
         seed=settings.seed,
     )
-    return "" if band is None else band.words
+    return band_lacks(run.hardware) if band is None else band.words
 
 
 def record_of(

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from tracerisk import api
+from tracerisk.adder.blocks.override import drift_text
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.values import percentage
@@ -82,10 +83,7 @@ def _drift(override: Override) -> str:
         return "-"
     if override.drift == math.inf:
         return "infinite"
-    size = abs(override.drift)
-    digits = 0 if size >= 99.95 else 1 if size >= 0.05 or size == 0 else 3
-    text = f"{override.drift:+.{digits}f}" if size < 1e6 else f"{override.drift:+.2g}"
-    return f"{text} %"
+    return drift_text(override.drift)
 
 
 def _table(overrides: Sequence[Override]) -> Iterator[str]:

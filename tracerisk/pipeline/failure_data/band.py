@@ -37,11 +37,27 @@ class Band:
     @property
     def words(self) -> str:
         """The band as a sentence."""
-        exact = f"; those of {', '.join(self.exact)} count as exact" if self.exact else ""
+        verb = "has none and counts" if len(self.exact) == 1 else "have none and count"
+        exact = f"; {', '.join(self.exact)} {verb} as exact" if self.exact else ""
         return (
-            f"By {SAMPLES:,} draws from the error factors of {', '.join(self.drawn)}, 90 % of it "
-            f"lies between {self.low:.1e} and {self.high:.1e}{exact}."
+            f"With 90 % probability that figure lies between {self.low:.1e} and {self.high:.1e}, "
+            f"by the error factors of {', '.join(self.drawn)} in {SAMPLES:,} samples{exact}."
         )
+
+
+def band_lacks(hardware: Hardware) -> str:
+    """Return what a band is not known for want of, though error factors are; "" for nothing."""
+    stated = [component.name for component in hardware.components if component.is_uncertain]
+    if not stated or _can_draw():
+        return ""
+    return (
+        f"How far that figure may be off follows from the error factors of {', '.join(stated)}; "
+        "`pip install 'tracerisk[large]'` brings what draws samples of them."
+    )
+
+
+def _can_draw() -> bool:
+    return is_installed("numpy") and is_installed("scipy")
 
 
 def figure_band(
@@ -59,7 +75,7 @@ def figure_band(
     `None` without NumPy and SciPy, which draw the samples.
     """
     stated = {component.name for component in hardware.components if component.is_uncertain}
-    if not stated or not (is_installed("numpy") and is_installed("scipy")):
+    if not stated or not _can_draw():
         return None
     load_factor = load_factor_of(robot)
     spreads = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)

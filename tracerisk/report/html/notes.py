@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from tracerisk.adder.blocks.override import Override
+from tracerisk.adder.blocks.override import Override, drift_text
 from tracerisk.common.verdict import kind_of
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
@@ -12,6 +13,8 @@ from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.sources import line_links
 from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
+
+_MOST_NAMED = 2
 
 
 def pins_section(report: ReportInput) -> Section:
@@ -33,7 +36,7 @@ def pins_section(report: ReportInput) -> Section:
         )
         for pin in report.pins
     )
-    table = Table("pins", "Values set by hand", columns, rows) if rows else None
+    table = Table("pins", "Values set by hand", columns, rows, is_of_cards=True) if rows else None
     return Section("pins", "Set by hand", rendered("pins.html.j2", table=table))
 
 
@@ -71,14 +74,24 @@ def assumptions_section(report: ReportInput) -> Section:
     return Section("assumptions", "Assumptions", html)
 
 
+def by_hand(pins: Sequence[Override]) -> dict[str, list[str]]:
+    """Return the functions in which a component's probability is a user's, by component."""
+    functions: dict[str, list[str]] = {}
+    for pin in pins:
+        path = pin.field.removesuffix(".probability")
+        if pin.kind == "added" or (pin.kind == "value" and path != pin.field):
+            function, _, component = path.rpartition(".")
+            functions.setdefault(component, []).append(function)
+    return functions
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names in words, of many only how many functions they are."""
+    return ", ".join(names) if len(names) <= _MOST_NAMED else f"{len(names)} functions"
+
+
 def drift(pin: Override) -> str:
     """Return how far a user's value lies from the computed one."""
     if pin.drift is None:
         return figures.NOTHING
-    if math.isinf(pin.drift):
-        return "computed is zero"
-    size = abs(pin.drift)
-    if 1e3 <= size < 1e6:
-        # Three digits that count, without an exponent.
-        return f"{round(pin.drift, 2 - math.floor(math.log10(size))):+,.0f} %"
-    return f"{pin.drift:+.3g} %" if pin.drift else "0 %"
+    return "computed is zero" if math.isinf(pin.drift) else drift_text(pin.drift)

@@ -8,6 +8,7 @@ from tracerisk.common.verdict import kind_of, verdict_line
 from tracerisk.prm.hybrid.assessment import FIXED, MissionFigures
 from tracerisk.report.diff import sentences
 from tracerisk.report.html import figures
+from tracerisk.report.html.notes import by_hand, listed
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.run.risk_shares import RISK, risk_data
@@ -118,6 +119,8 @@ def _cause(report: ReportInput) -> str:
     first = assessment.components[0]
     text = f"Without failures of {first.name}, {figures.percent(first.fussell_vesely)} of that "
     text += "probability would be gone"
+    functions = by_hand(report.pins).get(first.component, ())
+    text += f" (its figure is set by hand in {listed(functions)})" if functions else ""
     riskiest = max(assessment.states, key=lambda state: state.absorption_probability)
     share = riskiest.absorption_probability / assessment.mission.geometric_cycles
     return f"{text}; {figures.percent(share)} of it falls in {riskiest.name}."
@@ -174,9 +177,10 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
     }
     if len(alike) == 1:
         if not has_cycle:
-            return (), "The readings agree: the chain's, and that of the visits as executed."
+            return (), "Counted by the chain and by the visits as executed the figure is the same."
         fixed += f" ({each_fails})" if each_fails else ""
-        return (), f"The readings agree: cycles that vary around their mean, {fixed}, as executed."
+        counted = f"with cycles that vary around their mean, with {fixed}, and with the visits"
+        return (), f"Counted in three ways the figure is the same: {counted} as executed."
     ways = (
         (
             "geometric cycles",

@@ -87,6 +87,8 @@ class Table:
     """Columns from left to right."""
     rows: tuple[Row, ...]
     """Rows from the top down."""
+    is_of_cards: bool = False
+    """Whether each row is a card on a narrow screen, with the headings before its cells."""
 
     def __html__(self) -> Markup:
         """Return the table as HTML."""

@@ -47,7 +47,7 @@ function beginNow() {
     const now = JSON.stringify([visit, active, touches]);
     if (now === last) return;
     last = now;
-    parts.function.textContent = visit < 0 ? "no visit" : functionOf(visit);
+    parts.function.textContent = visit < 0 ? betweenVisits(time) : functionOf(visit);
     parts.visit.textContent =
       visit < 0 ? "" : `visit ${visit + 1} of ${run.visits.length}, ${run.visits[visit].outcome}`;
     parts.active.replaceChildren(...active.map(([text, kind]) => line(text, kind)));

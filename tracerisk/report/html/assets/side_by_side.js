@@ -44,7 +44,7 @@ const time = tracerisk.secondsText;
 function whereText(side) {
   const own = clocks[side].time;
   const visit = runs[side].visitAt(own);
-  return `${visit < 0 ? "no visit" : runs[side].functionOf(visit)}, ${time(own)} of ${time(clocks[side].end)}`;
+  return `${visit < 0 ? runs[side].betweenVisits(own) : runs[side].functionOf(visit)}, ${time(own)} of ${time(clocks[side].end)}`;
 }
 
 const root = document.querySelector(".side-by-side");

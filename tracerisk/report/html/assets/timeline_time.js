@@ -50,6 +50,11 @@ function openRun(run) {
   return {
     run, stretches, at, componentOf,
     visitAt: (time) => at(stretches, time)?.visit ?? -1,
+    // What to call a time in no visit.
+    betweenVisits(time) {
+      const next = stretches.find(({ start }) => start > time);
+      return next ? `before ${run.functions[run.visits[next.visit].function]}` : "after the last visit";
+    },
     functionOf: (visit) => run.functions[run.visits[visit].function],
     // The elements in use, by component: [{component, always, elements: [{name, state}]}].
     activeAt(time) {
@@ -73,7 +78,7 @@ function openRun(run) {
 
 const { clock } = tracerisk;
 const shownRun = openRun(tracerisk.data("timeline-data"));
-const { run, stretches, at, visitAt, functionOf, activeAt, contactsAt } = shownRun;
+const { run, stretches, at, visitAt, betweenVisits, functionOf, activeAt, contactsAt } = shownRun;
 clock.setEnd(Math.max(run.end, clock.end));
 
 const secondsText = (time) => `${time.toFixed(2)} s`;
@@ -107,7 +112,7 @@ function activeText(time) {
 
 function placeText(time) {
   const visit = visitAt(time);
-  if (visit < 0) return `${secondsText(time)}, no visit`;
+  if (visit < 0) return `${secondsText(time)}, ${betweenVisits(time)}`;
   return `${secondsText(time)}, ${functionOf(visit)}, visit ${visit + 1} of ${run.visits.length}`;
 }
 

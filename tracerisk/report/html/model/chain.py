@@ -28,6 +28,8 @@ _PITCH = 82.0
 _LANE = 16.0
 """Between the labels of two lanes."""
 _LABEL = 18.0
+_LONGEST_FRACTION = 7
+"""How many characters a share has as a fraction, as the blocks have it; longer ones are decimal."""
 _ASIDE = 112.0
 """Between a state and its failure, for the probability."""
 
@@ -87,7 +89,9 @@ def _arrows(model: HybridModel, states: dict[str, StateAssessment]) -> dict[Edge
         for step in state.next:
             if step.weight > 0 and step.target in names:
                 text = f"{state.name} to {step.target}: {_onward(top, step.weight)}"
-                label = f"{float(step.weight):.4g}"
+                label = str(step.weight)
+                if len(label) > _LONGEST_FRACTION:
+                    label = f"{float(step.weight):.4g}"
                 arrows[state.name, step.target] = _Arrow(label, text)
         failure = states[state.name].failure_state
         text = f"{state.name} to {failure}: {top:.6g}"

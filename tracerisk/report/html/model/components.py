@@ -6,6 +6,7 @@ from tracerisk.common.hardware.model import Component, Hardware
 from tracerisk.prm.hybrid.assessment import ComponentImportance
 from tracerisk.report.hardware_table import figure_lines
 from tracerisk.report.html import figures
+from tracerisk.report.html.notes import by_hand, listed
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -68,7 +69,7 @@ def hardware_section(report: ReportInput) -> Section | None:
     used = {parameter.component for parameter in report.assessment.components}
     html = rendered(
         "hardware.html.j2",
-        table=_described(hardware, used),
+        table=_described(report, hardware, used),
         hardware=hardware,
         assumed=_assumed(report.figures),
     )
@@ -159,7 +160,8 @@ def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
     return Table("units", "Importance of single units", columns, rows) if rows else None
 
 
-def _described(hardware: Hardware, used: set[str]) -> Table:
+def _described(report: ReportInput, hardware: Hardware, used: set[str]) -> Table:
+    pinned = by_hand(report.pins)
     has_sources = any(_source(component) for component in hardware.components)
     columns = (
         *texts("component", "units", "redundancy", "figures of one unit"),
@@ -168,16 +170,34 @@ def _described(hardware: Hardware, used: set[str]) -> Table:
     rows = tuple(
         row_of(
             Cell(component.name, component=component.name if component.name in used else None),
-            "as the robot has" if component.quantity is None else str(component.quantity),
+            _units(component, report),
             _redundancy(component),
             "; ".join(figure_lines(component)),
             *([_source(component) or figures.NOTHING] if has_sources else []),
-            "used" if component.name in used else "not used",
+            Cell(
+                "used" if component.name in used else "not used",
+                note=f"by hand in {listed(pinned[component.name])}"
+                if component.name in pinned
+                else "",
+            ),
             component=component.name,
         )
         for component in hardware.components
     )
     return Table("hardware", "Hardware description", columns, rows)
+
+
+def _units(component: Component, report: ReportInput) -> str:
+    """Return how many units there are, as many as the run found where the robot says it."""
+    if component.quantity is not None:
+        return str(component.quantity)
+    units = {
+        used.units
+        for state in report.assessment.states
+        for used in state.components
+        if used.component == component.name
+    }
+    return str(max(units)) if units else "as the robot has"
 
 
 def _redundancy(component: Component) -> str:
