@@ -184,3 +184,22 @@ def test_a_request_of_the_wrong_length_is_answered_with_997(run_on, service, cal
     assert ran["error"] == 0
     assert ran.recording.commands == ()
     assert "values" in ran.findings[0]
+
+
+SLIP = """
+client = node.create_client(GripperMove, '/ufactory/set_griper_position')
+if not client.wait_for_service(timeout_sec=2.0):
+    raise RuntimeError('no service')
+"""
+
+
+def test_a_service_with_a_slip_in_its_name_is_reported_with_the_name_that_is_served(example):
+    move = "call(MoveJoint, 'set_servo_angle', angles=[0.2, 0.0, 1.0, 0.0, 0.0, 0.0], wait=True)\n"
+    example.write("c.py", HEAD2 + move + SLIP)
+    outcome = example.run("run", "c.py", "--robot", "lite6", "--check")
+    assert outcome.code == 1
+    assert outcome.out.startswith(
+        "faulted: the controller raised RuntimeError: no service; nothing provides service "
+        "/ufactory/set_griper_position (xarm_msgs/GripperMove), likely a mistake for "
+        "/ufactory/set_gripper_position (c.py:"
+    ), outcome.out

@@ -8,13 +8,13 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import Location
 from tracerisk.instrument.source.service_types import lines_of_function, service_type
 from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
+from tracerisk.ros.drafts.draft import likely_mistake
 from tracerisk.ros.drafts.drafted_entries import COMMANDING, names_command
 from tracerisk.ros.drafts.drafting import drafts, drafts_instead
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
@@ -139,6 +139,8 @@ class UnmetNeeds:
         if self.drafts == "always" or (self.drafts == "without_risk" and not shows_risk):
             self._note_drafts(shows_risk=shows_risk)
         message += self._judge_too_late(shows_risk=shows_risk)
+        if cause == "raised":
+            message += self._slips()
         plain = JudgedEnd(cause, message, location)
         if shows_risk:
             self._note_unmet()
@@ -363,10 +365,17 @@ class UnmetNeeds:
             lines.append(f"{len(unmet) - most} more")
         return "; ".join(lines)
 
+    def _slips(self) -> str:
+        """Return in words which services and actions have names that are slips of a driver's."""
+        unserved = self._as_of_end(self._unserved)
+        texts = {missed.need.words: self._words(missed.need) for missed in unserved}
+        return "".join(
+            f"; nothing provides {text}" for words, text in texts.items() if text != words
+        )
+
     def _words(self, need: Need) -> str:
-        """Return a need in words; of a frame whose name is a slip also what is meant."""
-        known = () if need.kind != "frame" else self.values.robot.link_names
-        meant = likely_meant(need.name.strip("/"), known)
+        """Return a need in words; of one whose name is a slip also what is meant."""
+        meant = likely_mistake(need, self.values)
         return f"{need.words}, {meant}" if meant else need.words
 
     def below_root(self, place: Location | None) -> Location | None:

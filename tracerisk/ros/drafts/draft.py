@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Need, NeedKind
+
+if TYPE_CHECKING:
+    from tracerisk.ros.drafts.usable_values import UsableValues
 
 SECTIONS: Mapping[NeedKind, str] = {
     "parameter": "parameters",
@@ -30,6 +34,15 @@ WELL: Mapping[NeedKind, str] = {
     "action": "a goal that succeeds",
 }
 """What an answer is in words that moves nothing."""
+
+
+def likely_mistake(need: Need, values: UsableValues) -> str:
+    """Return in words which link, or which name that a driver serves, is meant; "" for none."""
+    if need.kind == "frame":
+        return likely_meant(need.name.strip("/"), values.robot.link_names)
+    folder, _, _ = need.name.rpartition("/")
+    served = values.served.get((need.kind, need.type_name), ())
+    return likely_meant(need.name, [f"{folder}/{name}" for name in served])
 
 
 @dataclass(frozen=True, slots=True)

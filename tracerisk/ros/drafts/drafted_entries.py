@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import Location
 from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.called_functions import source_tree
@@ -27,7 +26,7 @@ from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need,
 from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.drafts.asked_results import calls_of, held_by, used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.draft import WELL
+from tracerisk.ros.drafts.draft import WELL, likely_mistake
 from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter
 from tracerisk.ros.drafts.drivers.asked import Asked, parts_of
 from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver, names_motion
@@ -196,6 +195,8 @@ def _service(lack: Lack) -> _Made:
     need = lack.need
     if not need.type_name:
         return {"name": need.name, "reply": {}}, "its type is not known"
+    if mistake := likely_mistake(need, lack.values):
+        return None, mistake
     request, response = service_parts(lack.interfaces, need.type_name)
     reply = lack.values.fields(response, compared_in_file(lack.place))
     entry = {"name": need.name, "type": need.type_name, "reply": reply}
@@ -205,6 +206,8 @@ def _service(lack: Lack) -> _Made:
 
 def _action(lack: Lack) -> _Made:
     need = lack.need
+    if mistake := likely_mistake(need, lack.values):
+        return None, mistake
     goal = goal_class(lack.interfaces, need.type_name)
     parts = action_parts(lack.interfaces, need.type_name)
     result = lack.values.fields(parts[0], compared_in_file(lack.place))
@@ -296,8 +299,7 @@ def _sent_goal(lack: Lack) -> _Made:
 
 def _frame(lack: Lack) -> _Made:
     need, values = lack.need, lack.values
-    mistake = likely_meant(need.name.strip("/"), values.robot.link_names)
-    if mistake:
+    if mistake := likely_mistake(need, values):
         return None, mistake
     pose = values.pose
     is_foot = _FOOT.search(need.name) is not None

@@ -128,6 +128,8 @@ class UsableValues(ReachedPoses):
     """Dimensions whose SI units a controller does not speak in: `angle`, `length`."""
     units_of_packages: Mapping[str, Units] = MappingProxyType({})
     """The units of the messages of drivers' packages, where they are not SI units."""
+    served: Mapping[tuple[str, str], Collection[str]] = MappingProxyType({})
+    """The names that drivers serve, by kind (`service`, `action`) and type, without namespace."""
 
     def fields(
         self,

@@ -57,6 +57,7 @@ def build_watches(
         alone=lambda: twin.planning_among(()),
     )
     values.units_of_packages = _units_of_packages(graph.drivers)
+    values.served = _served(graph.drivers)
     needs = UnmetNeeds(
         graph.runtime,
         graph.interfaces,
@@ -88,6 +89,17 @@ def _units_of_packages(drivers: Iterable[Driver]) -> dict[str, Units]:
         for package in driver.packages:
             units.setdefault(package, of_driver)
     return units
+
+
+def _served(drivers: Iterable[Driver]) -> dict[tuple[str, str], list[str]]:
+    """Return the names of the services and actions of drivers, by kind and type."""
+    names: dict[tuple[str, str], list[str]] = {}
+    for driver in drivers:
+        for interface in driver.interfaces:
+            for type_name in interface.types:
+                key = (interface.kind.removesuffix("s"), type_name)
+                names.setdefault(key, []).append(interface.name.strip("/"))
+    return names
 
 
 def _fate_watch(request: RunRequest, world: SimulatedWorld) -> FateWatch | None:
