@@ -106,6 +106,15 @@ def test_a_state_that_is_never_reached_has_no_single_point(block, component):
     assert single_points(RiskVersion.of_blocks(blocks, "c.py").model) == {"x": ["a"]}
 
 
+def test_what_cannot_fail_in_a_function_is_no_single_point_there(block, component):
+    blocks = [
+        block("a", 1, [component("x", 0.1), component("y", 0.0)], {"b": 1}),
+        block("b", 2, [component("y", 0.1)], {"done": 1}),
+    ]
+    points = single_points(RiskVersion.of_blocks(blocks, "c.py").model)
+    assert points == {"x": ["a"], "y": ["b"]}
+
+
 def test_a_version_that_makes_no_model_is_an_error(block):
     with pytest.raises(BlockError, match="cannot be reached"):
         RiskVersion.of_blocks([block("a", 1, [], {"a": 1})], "c.py")

@@ -84,7 +84,11 @@ def test_everything_that_changed_is_reported(eventful, review_of):
         ("motor = 1e-7", "motor = 1.005e-7", "unchanged at 1.005e-07."),
         ("motor = 1e-7", "motor = 5e-8", "falls from 1.000e-07 to 5.000e-08 (x0.5), mostly"),
         ("motor = 0", "motor = 1e-7", "rises from 0.000e+00 to 1.000e-07 (from 0)"),
-        ("motor = 1e-7; power = 0 of2", "motor = 1e-7; power = 0 x2", "yet redundancy is lost and"),
+        (
+            "motor = 1e-7; power = 1e-15 of2",
+            "motor = 1e-7; power = 1e-15 x2",
+            "yet redundancy is lost and",
+        ),
         (None, "motor = 1e-7", "is assessed for the first time: its mission fails with 1.000e-07"),
         ("motor = 1e-7", None, "has no risk blocks any more; its mission failed with 1.000e-07."),
     ],

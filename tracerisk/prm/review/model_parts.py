@@ -151,12 +151,20 @@ def tolerated_failures(tree: FaultTree) -> dict[str, int]:
 
 
 def single_points(model: HybridModel) -> dict[str, list[str]]:
-    """Return each component one unit of which fails the mission alone, and in which functions."""
+    """Return each component one unit of which fails the mission alone, and in which functions.
+
+    One that cannot fail in a function, with a probability of 0, is none there.
+    """
     functions: dict[str, list[str]] = {}
     reached = set(model.reachable)
     for state in model.states:
         if state.name in reached:
+            may_fail = {
+                event.component
+                for event in state.tree.events
+                if state.probabilities.get(event.parameter, 0.0) > 0.0
+            }
             for component, tolerated in tolerated_failures(state.tree).items():
-                if tolerated == 0:
+                if tolerated == 0 and component in may_fail:
                     functions.setdefault(component, []).append(state.name)
     return functions
