@@ -497,3 +497,29 @@ turn(0.2)
     assert "frame: base_link  # assumed: the base of panda" in text
     given = ("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
     assert example.run(*given).json["verdict"]["kind"] == "partial"
+
+
+GRIP = """\
+import moveit_commander
+import rospy
+
+rospy.init_node("grip")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+hand = moveit_commander.MoveGroupCommander("panda_hand")
+hand.go([0.04, 0.04], wait=True)
+arm.go([0.0, 0.4, 0.0, -1.8, 0.0, 2.2, 0.78], wait=True)
+hand.go([0.0, 0.0], wait=True)
+"""
+
+
+def test_where_a_grip_finds_nothing_an_object_is_proposed_that_is_then_held(example):
+    example.write("grip.py", GRIP)
+    outcome = example.run("scenario", "grip.py")
+    assert outcome.code == 0, outcome.err
+    title, place, entry = outcome.out.splitlines()
+    assert title.startswith("Closed on nothing; an entry of `objects` each")
+    assert place == "  panda_hand, grip.py:9: at (0.646, 0.000, 0.223) m"
+    example.write("cell.yaml", f"objects:\n{entry}\n")
+    ran = example.run("run", "grip.py", "--scenario", "cell.yaml", "--check")
+    assert "1 object moved: part is held in panda_hand" in ran.err
+    assert "objects part of the scenario is assumed: its size" in ran.out

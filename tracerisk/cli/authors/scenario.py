@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from tracerisk.cli.shared.values import positive
 from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.common.text.plain_data import picked
+from tracerisk.common.traced.findings import NOTHING_TO_GRASP
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 _LINES = 3
 _SEARCH_S = 60.0
 _ENDING = ".scenario.yaml"
+_PLACE = re.compile(r"at \((-?[\d.]+), (-?[\d.]+), (-?[\d.]+)\) m")
+"""Where a gripper closed on nothing, in the words of the finding."""
+_TOP_M = 0.02  # how far a drafted thing reaches above the middle between the pads [m]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -195,7 +200,10 @@ def _print_draft(
     for item in draft.missing:
         show(f"  {item.need.words}{_at(item.location, file_of)}: {item.words}")
     _print_asked(asked, "in the source beside, and had in the run or not reached", file_of)
-    if not rows and not draft.missing and not asked:
+    grasps = list(_grasps(draft, file_of))
+    if grasps:
+        show("Closed on nothing; an entry of `objects` each, with your own size and mass:", *grasps)
+    if not rows and not draft.missing and not asked and not grasps:
         show("It asks its world for nothing.")
     if options.write:
         note(
@@ -207,6 +215,23 @@ def _print_draft(
         note(f"--write would write:\n\n{draft.text}", quiet=options.quiet)
     if draft.trace is not None and draft.trace.verdict is not None and draft.trace.is_usable:
         note(f"with it: {draft.trace.verdict.kind}", quiet=options.quiet)
+
+
+def _grasps(draft: ScenarioDraft, file_of: Callable[[str], str]) -> Iterator[str]:
+    """Yield where a gripper closed for want of things, with an object that stands there."""
+    for finding in () if draft.trace is None else draft.trace.findings:
+        place = _PLACE.search(finding.message)
+        if finding.kind != NOTHING_TO_GRASP or place is None:
+            continue
+        x, y, z = map(float, place.groups())
+        yield f"  {finding.object}{_at(finding.location, file_of)}: {place[0]}"
+        if z > 0.0:
+            # It stands on the floor, and its top is a little above the middle between the pads.
+            height = z + _TOP_M
+            box, xyz = f"[0.04, 0.04, {height:.3f}]", f"[{x:.3f}, {y:.3f}, {height / 2:.4g}]"
+            yield f"    - {{name: part, box: {box}, xyz: {xyz}, mass: 0.1}}  # assumed: its size"
+        else:
+            yield "    below the floor: the poses may be of another point than in your cell"
 
 
 def _print_asked(asked: tuple[Missed, ...], where: str, file_of: Callable[[str], str]) -> None:
