@@ -83,6 +83,20 @@ def test_each_thing_set_by_hand_is_reported_with_its_place_without_any_run(examp
     assert {each["file"] for each in outcome.json["overrides"]} == {"pick.py"}
 
 
+def test_a_component_by_hand_in_some_functions_alone_is_named(example, annotated_source):
+    computed, by_hand = "gripper = 1e-07", "gripper := 4e-08"
+    source = annotated_source(
+        pick=("put 1", by_hand), put=("home 1", computed), home=("done 1", computed)
+    )
+    example.write("pick.py", source)
+    assert (
+        "pick.py: gripper is set by hand in pick, and computed in put, home\n"
+        in example.run("overrides", "pick.py").err
+    )
+    example.write("pick.py", source.replace("probability = 1e-07", "probability := 4e-08"))
+    assert "computed in" not in example.run("overrides", "pick.py").err
+
+
 def test_the_table_fits_80_columns_and_shows_every_reason_in_full(example):
     example.write("pick.py", PINNED.replace("gripper", "a_gripper_with_a_name_of_some_length"))
     outcome = example.run("overrides", "pick.py")

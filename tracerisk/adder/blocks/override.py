@@ -32,6 +32,15 @@ class Override:
     """How far the user's value lies from the computed one [%]; `None` where there is nothing to
     compare."""
 
+    @property
+    def figure_of(self) -> tuple[str, str] | None:
+        """The function and component whose probability it is; `None` for all else."""
+        path = self.field.removesuffix(".probability")
+        if self.kind != "added" and (self.kind != "value" or path == self.field):
+            return None
+        function, _, component = path.rpartition(".")
+        return function, component
+
     def exceeds(self, max_drift: float) -> bool:
         """Return whether the drift is known and greater, above or below, than `max_drift` [%]."""
         return self.drift is not None and abs(self.drift) > max_drift

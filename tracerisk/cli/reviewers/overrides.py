@@ -16,6 +16,7 @@ from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.values import percentage
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode
+from tracerisk.pipeline.check.overrides import partly_set
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.override import Override
@@ -63,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
             f"{override.location}: {override.field} has drifted by {_drift(override)}, above "
             f"{limit:g} %"
         )
+    for line in partly_set(overrides):
+        note(line, quiet=options.quiet)
     without = sum(1 for override in overrides if override.reason is None)
     note(f"{len(overrides)} set by hand, {without} of them without a reason", quiet=options.quiet)
     return int(code)

@@ -70,6 +70,28 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
     return files
 
 
+def partly_set(overrides: Sequence[Override]) -> Iterator[str]:
+    """Yield in words which components have a figure by hand in some functions and not in others.
+
+    Who knows the figure of a part means it in each of them, most likely.
+    """
+    by_file: dict[str, dict[str, list[str]]] = {}
+    for override in overrides:
+        if override.figure_of is not None and not is_c_like(override.location.file):
+            function, component = override.figure_of
+            of_file = by_file.setdefault(override.location.file, {})
+            of_file.setdefault(component, []).append(function)
+    for file, by_hand in by_file.items():
+        computed: dict[str, list[str]] = {}
+        for placed in read_blocks(file_bytes(Path(file)), file):
+            for entry in () if placed.block.added else placed.block.components:
+                if not (entry.added or entry.omitted or entry.probability.pinned):
+                    computed.setdefault(entry.name, []).append(placed.block.name)
+        for component in sorted(by_hand.keys() & computed.keys()):
+            hand, rest = ", ".join(by_hand[component]), ", ".join(computed[component])
+            yield f"{file}: {component} is set by hand in {hand}, and computed in {rest}"
+
+
 def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[Override]:
     with readable(path):
         source = file_bytes(path) if content is None else content

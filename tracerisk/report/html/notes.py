@@ -78,9 +78,8 @@ def by_hand(pins: Sequence[Override]) -> dict[str, list[str]]:
     """Return the functions in which a component's probability is a user's, by component."""
     functions: dict[str, list[str]] = {}
     for pin in pins:
-        path = pin.field.removesuffix(".probability")
-        if pin.kind == "added" or (pin.kind == "value" and path != pin.field):
-            function, _, component = path.rpartition(".")
+        if pin.figure_of is not None:
+            function, component = pin.figure_of
             functions.setdefault(component, []).append(function)
     return functions
 
