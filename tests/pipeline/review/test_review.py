@@ -388,6 +388,33 @@ def test_a_harder_touch_before_the_grasp_is_news_with_its_force_and_time(showed)
     )
 
 
+def pressed(**functions):
+    """What the lock keeps of a held jar that touched the floor, by function: force, s, start."""
+    keys = ("number", "force_n", "touching_s", "start_s")
+    touches = {
+        name: {"jar": {"floor": {"unexpected": dict(zip(keys, (1, *value), strict=True))}}}
+        for name, value in functions.items()
+    }
+    contacts = {name: [["jar", "floor"]] for name in functions}
+    return {"unexpected_contacts": {"hand.py": contacts}, "touches": {"hand.py": touches}}
+
+
+@pytest.mark.parametrize(
+    ("now", "news"),
+    [
+        ({"place": (26.0, 0.28, 9.7), "drop": (1.9, 0.03, 10.0)}, 0),
+        ({"place": (60.0, 0.28, 9.7)}, 1),
+        ({"place": (26.0, 3.1, 9.7)}, 1),
+        ({"place": (26.0, 0.31, 14.0)}, 1),
+        ({"pick": (26.0, 0.31, 9.7), "place": (26.0, 0.31, 20.0)}, 1),
+    ],
+    ids=["cut otherwise", "harder", "longer", "at another time", "once more"],
+)
+def test_a_touch_that_is_in_another_function_now_is_no_news(showed, now, news):
+    found = showed(pressed(pick=(26.0, 0.31, 9.7)), pressed(**now), code="LATER = 1\n")
+    assert len(only(found).of_run) == news
+
+
 def test_a_contact_that_the_earlier_run_showed_too_is_not_reported_again(showed):
     found = showed(TOUCH, TOUCH, code="LATER = 1\n")
     assert only(found).of_run == ()

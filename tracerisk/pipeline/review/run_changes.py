@@ -12,7 +12,12 @@ from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
 from tracerisk.pipeline.review.controllers import ControllerVersion, ReviewedController
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
-from tracerisk.pipeline.trace.last_run import kept_contacts, kept_touches, kept_uncovered
+from tracerisk.pipeline.trace.last_run import (
+    Touches,
+    kept_contacts,
+    kept_touches,
+    kept_uncovered,
+)
 
 if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Cell, Evidence
@@ -130,6 +135,15 @@ def _differ(before: Sequence[Cell], after: Sequence[Cell], is_so: Callable[[Cell
     return abs(counts[0] / n - counts[1] / m) > _QUANTILE * spread > 0.0
 
 
+def _by_bodies(summary: Mapping[str, object]) -> dict[str, Touches]:
+    """Return all unexpected touches of each two bodies, whichever function they were in."""
+    touches: dict[str, list[Touches]] = {}
+    for contact in kept_contacts(summary):
+        if contact.touches is not None:
+            touches.setdefault(contact.bodies, []).append(contact.touches)
+    return {bodies: Touches.joined(parts) for bodies, parts in touches.items()}
+
+
 def _new(
     old: Mapping[str, object], new: Mapping[str, object], renamed: Mapping[str, str]
 ) -> Iterator[str]:
@@ -138,9 +152,13 @@ def _new(
         for contact in kept_contacts(old)
     }
     earlier_name = {now: was for was, now in renamed.items()}
+    of_before, of_now = _by_bodies(old), _by_bodies(new)
     for contact in kept_contacts(new):
-        name = contact.function.name
-        if (name, contact.bodies) in known:
+        name, bodies = contact.function.name, contact.bodies
+        if (name, bodies) in known:
+            continue
+        was, is_now = of_before.get(bodies), of_now.get(bodies)
+        if was is not None and is_now is not None and is_now.are_by_another_function(was):
             continue
         earlier = FunctionRef(contact.function.file, QualifiedName(earlier_name.get(name, name)))
         before, _ = kept_touches(old, replace(contact, function=earlier))

@@ -28,6 +28,8 @@ _ALIKE = 0.2
 """The share by which two touches may differ in force and duration, and be the same."""
 _ALIKE_S = 0.02
 """The time by which their durations may differ beside that [s]."""
+_AT_ONCE_S = 0.2
+"""How far apart the same touch may begin in two runs that do the same [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +79,17 @@ class Touches:
             and self.number == other.number
             and math.isclose(self.force_n, other.force_n, rel_tol=_ALIKE)
             and math.isclose(self.touching_s, other.touching_s, rel_tol=_ALIKE, abs_tol=_ALIKE_S)
+        )
+
+    def are_by_another_function(self, other: Touches) -> bool:
+        """Return whether all touches of two bodies are those of the other run: as hard, long, soon.
+
+        They may be cut otherwise into functions, whose contacts are counted one by one.
+        """
+        return (
+            math.isclose(self.force_n, other.force_n, rel_tol=_ALIKE)
+            and math.isclose(self.touching_s, other.touching_s, rel_tol=_ALIKE, abs_tol=_ALIKE_S)
+            and math.isclose(self.start_s, other.start_s, abs_tol=_AT_ONCE_S)
         )
 
     @property
