@@ -86,7 +86,10 @@ def test_each_thing_set_by_hand_is_reported_with_its_place_without_any_run(examp
 def test_a_component_by_hand_in_some_functions_alone_is_named(example, annotated_source):
     computed, by_hand = "gripper = 1e-07", "gripper := 4e-08"
     source = annotated_source(
-        pick=("put 1", by_hand), put=("home 1", computed), home=("done 1", computed)
+        pick=("put 1", by_hand),
+        put=("home 1", computed),
+        home=("rest 1", computed),
+        rest=("done 1", "gripper = 0"),
     )
     example.write("pick.py", source)
     assert (

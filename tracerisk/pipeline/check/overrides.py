@@ -85,7 +85,8 @@ def partly_set(overrides: Sequence[Override]) -> Iterator[str]:
         computed: dict[str, list[str]] = {}
         for placed in read_blocks(file_bytes(Path(file)), file):
             for entry in () if placed.block.added else placed.block.components:
-                if not (entry.added or entry.omitted or entry.probability.pinned):
+                is_tools = not (entry.added or entry.omitted or entry.probability.pinned)
+                if is_tools and entry.probability.value > 0.0:
                     computed.setdefault(entry.name, []).append(placed.block.name)
         for component in sorted(by_hand.keys() & computed.keys()):
             hand, rest = ", ".join(by_hand[component]), ", ".join(computed[component])

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.evidence import EVIDENCE_NAME
-from tracerisk.common.hardware.formats import read_description
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -81,6 +80,8 @@ def check_changed_hardware(settings: Settings, recorded: RunInputs) -> None:
     """
     if settings.hardware is None or recorded.hardware == hardware_digest(settings):
         return
+    from tracerisk.common.hardware.formats import read_description  # rarely read here
+
     with contextlib.suppress(DependencyError):  # a refresh says what to install
         read_description(Path(settings.hardware), system=settings.system)
 
