@@ -85,11 +85,16 @@ def source_files(path: Path) -> tuple[Path, ...]:
     while texts:
         text = texts.pop()
         for item, data in beside.items():
-            names = (quoted or plain for quoted, plain in _PACKAGE.findall(data))
-            if item not in reached and any(name in text for name in names):
+            if item not in reached and any(name.encode() in text for name in packages_in(data)):
                 reached.append(item)
                 texts.append(data)
     return (path, *sorted(reached))
+
+
+def packages_in(data: bytes) -> frozenset[str]:
+    """Return the names of the packages that a file in SysML v2 declares, at the least."""
+    names = (quoted or plain for quoted, plain in _PACKAGE.findall(data))
+    return frozenset(name.decode(errors="replace") for name in names)
 
 
 def _read(path: Path) -> bytes:

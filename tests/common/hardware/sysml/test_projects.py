@@ -212,9 +212,96 @@ def test_what_models_of_others_say_is_read(tmp_path, text):
     assert named(one_file(tmp_path, text)) == {"x": 1, "y": 1}
 
 
-def test_an_import_of_nothing_is_still_refused(tmp_path):
-    with pytest.raises(HardwareError, match="unknown name 'Nowhere'"):
-        one_file(tmp_path, f"package X {{ private import Nowhere::*; part s {{ {DATA} }} }}")
+def test_an_import_of_nothing_is_told_and_refused_where_a_part_needs_it(tmp_path):
+    text = f"package X {{ private import Nowhere::*; part s {{ {DATA} }} }}"
+    hardware = one_file(tmp_path, text)
+    assert named(hardware) == {"s": 1}
+    (warning,) = hardware.warnings
+    assert warning.startswith("m.sysml:1:28: unknown name 'Nowhere'; declare it in this file or")
+    assert warning.endswith("this import leads to nothing, and no part of the system needs it")
+    for needy in ("part s : Motor {", "part s { part motor : Motor;", "part s { @Critical;"):
+        with pytest.raises(HardwareError, match="1:28: unknown name 'Nowhere'"):
+            one_file(tmp_path, text.replace("part s {", needy))
+    with pytest.raises(HardwareError, match="1:28: unknown name 'Motor'"):
+        one_file(
+            tmp_path, text.replace("Nowhere::*", "Motor").replace("part s {", "part s : Motor {")
+        )
+
+
+def test_a_file_of_a_folder_that_cannot_be_read_stops_only_what_needs_it(project):
+    folder = project(
+        {
+            "cell.sysml": f"package Cell {{ part cell {{ part arm {{ {DATA} }} }} }}",
+            "broken.sysml": "package Grippers { part def Gripper { part jaw",
+        }
+    )
+    hardware = read_sysml(folder, shown="f")
+    assert named(hardware) == {"arm": 1}
+    assert hardware.warnings == (
+        "f/broken.sysml:1:37: unclosed '{'; expected '}' before the end of the file; "
+        "this file is left out",
+    )
+    project(
+        {
+            "cell.sysml": f"""package Cell {{
+        private import Grippers::*; part cell {{ part arm : Gripper {{ {DATA} }} }} }}"""
+        }
+    )
+    with pytest.raises(HardwareError, match=r"broken\.sysml:1:37: unclosed '{'"):
+        read_sysml(folder)
+
+
+def test_a_file_with_failure_data_that_cannot_be_read_is_an_error(project):
+    folder = project(
+        {
+            "cell.sysml": f"package Cell {{ part cell {{ part arm {{ {DATA} }} }} }}",
+            "broken.sysml": f"package Grippers {{ part gripper {{ {DATA} }} ) }}",
+        }
+    )
+    with pytest.raises(HardwareError, match=r"broken\.sysml:1:"):
+        read_sysml(folder)
+
+
+def test_a_package_in_several_files_is_one_package(project):
+    folder = project(
+        {
+            "arm.sysml": f"package Cell {{ package Arms {{ part def Arm {{ {DATA} }} }} }}",
+            "cell.sysml": """package Cell {
+                package Arms { part def Hand; }
+                part cell { part left : Arms::Arm; part tool : Tool; } }""",
+            "tool.sysml": f"package Cell {{ part def Tool {{ {DATA} }} }}",
+        }
+    )
+    assert named(read_sysml(folder)) == {"left": 1, "tool": 1}
+    assert named(read_sysml(folder / "cell.sysml")) == {"left": 1, "tool": 1}
+    project({"again.sysml": "package Cell { part def Tool; }"})
+    with pytest.raises(HardwareError, match="unknown name 'Tool'"):
+        read_sysml(folder)
+
+
+def test_a_part_declared_again_is_the_inherited_one(tmp_path):
+    text = f"""package X {{
+        part def Arm {{ part motor [3] {{ {DATA} }} part brake {{ {DATA} }} }}
+        part arm : Arm {{
+            part motor {{ attribute mass = 2; }}
+            part brake [2];
+            part fan {{ {DATA} }} }} }}"""
+    hardware = one_file(tmp_path, text)
+    assert named(hardware) == {"motor": 3, "brake": 2, "fan": 1}
+    assert hardware.warnings[0] == (
+        "m.sysml:4:18: 'motor' is inherited from m.sysml:2:29 already, and is read as "
+        "'part :>> motor'; write this, or give it another name"
+    )
+    marked = text.replace("part motor {", "part :>> motor {").replace("brake [2]", ":>> brake [2]")
+    assert one_file(tmp_path, marked).components[0].figures == hardware.components[0].figures
+
+
+def test_a_definition_within_one_may_be_the_system(tmp_path):
+    text = f"package X {{ part def Yard {{ part def Drone {{ part battery {{ {DATA} }} }} }} }}"
+    assert named(one_file(tmp_path, text)) == {"battery": 1}
+    assert named(one_file(tmp_path, text, system="X::Yard::Drone")) == {"battery": 1}
+    used = text.replace("Yard {", "Yard { part drone : Drone;")
+    assert named(one_file(tmp_path, used)) == {"drone.battery": 1}
 
 
 def test_a_quoted_name_of_words_makes_a_name(tmp_path):
@@ -359,5 +446,5 @@ def test_imports_and_risks_of_behaviour_that_another_package_brings_lead_to_noth
     )
     with pytest.raises(HardwareError, match="unknown name 'tradeOff'"):
         one_file(tmp_path, lost)
-    with pytest.raises(HardwareError, match="'Steps' has no 'provide powers'"):
-        one_file(tmp_path, text.replace("Steps::'provide power'", "Steps::'provide powers'"))
+    other = one_file(tmp_path, text.replace("Steps::'provide power'", "Steps::'provide powers'"))
+    assert "'Steps' has no 'provide powers'" in str(other.warnings)

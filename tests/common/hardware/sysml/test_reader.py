@@ -240,3 +240,25 @@ def test_every_file_of_the_official_release_is_parsed():
     assert len(files) > 100
     for path in files:
         parse(SourceText(path.name, path.read_text(encoding="utf-8-sig")))
+
+
+def test_letters_of_every_language_words_after_a_dot_and_signs_in_what_is_skipped_are_read(
+    tmp_path,
+):
+    path = tmp_path / "m.sysml"
+    path.write_text(
+        """package M {
+            part größe {
+                attribute umfang = 2 * π * r;
+                attribute warm = 20 [°C];
+                attribute kind = M::größe.metadata;
+                :>> left.enabled = true;
+                :>> right.enabled = true;
+                satisfy $::Reqs::Top by self;
+                state s { transition on !ready then off; }
+                part <motor> 'Motör' { @TraceriskHardware::FailureData { probability = 0.25; } }
+            }
+        }""",
+        encoding="utf-8",
+    )
+    assert [each.name for each in read_sysml(path).components] == ["motor"]

@@ -107,7 +107,7 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
         node = member.node
         if not isinstance(node, Element) or node.is_definition:
             continue
-        redefined = member.redefined() if node.redefines else ()
+        redefined = member.redefined()
         replaced = [symbol for symbol in redefined if symbol in symbols]
         if node.kind not in ("part", "item") and not (node.kind == "" and replaced):
             continue

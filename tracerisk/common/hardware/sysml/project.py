@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from tracerisk.common.hardware.source_files import sysml_files, sysml_files_in
+from tracerisk.common.hardware.source_files import packages_in, sysml_files, sysml_files_in
 from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import standard_package
-from tracerisk.common.hardware.sysml.language.syntax import Element, SourceText
+from tracerisk.common.hardware.sysml.language.syntax import Name, SourceText
 from tracerisk.common.text.bounded import file_bytes, regular_file
 from tracerisk.errors import HardwareError, Location
 
@@ -20,6 +20,7 @@ MAX_BYTES = 16 * 1024 * 1024
 """How long a file may be [bytes]."""
 
 _HEAD = 65_536
+_OF_INTEREST = re.compile(rb"\b(?:TraceriskHardware|FailureData|RiskMetadata)\b")
 _LIBRARY = re.compile(rb"\blibrary\s+package\s+(?:<[^>]*>\s*)?(?:'([^'\n]+)'|(\w+))")
 
 
@@ -50,8 +51,10 @@ class Project:
         self._shown = Path(shown)
         self._folder = path if path.is_dir() else path.parent
         self._is_whole = path.is_dir()
-        self._found: dict[tuple[str, str], Found | None] = {}
+        self._found: dict[tuple[str, Name], Found | None] = {}
         self._tops: dict[Path, Symbol] = {}
+        self._unread: dict[Path, HardwareError] = {}
+        self._packages: dict[Path, frozenset[str]] = {}
         files = [path]
         if self._is_whole:
             files = [item for item in sysml_files(path) if not _is_library(item)]
@@ -61,13 +64,35 @@ class Project:
                     "model",
                     Location(shown),
                 )
-        self.main = tuple(map(self._read, files))
+        tops = [self._read_or_note(item) for item in files]
+        self.main = tuple(top for top in tops if top is not None)
         """The tops of the files that may declare the system."""
+        if not self.main:
+            raise next(iter(self._unread.values()))
 
     @property
     def files(self) -> tuple[Symbol, ...]:
         """The tops of the files that were read so far."""
         return tuple(self._tops.values())
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A line for each file of the folder that cannot be read."""
+        return tuple(f"{error}; this file is left out" for error in self._unread.values())
+
+    def _read_or_note(self, path: Path) -> Symbol | None:
+        """Return the top of a file; `None` for one of a folder that cannot be read.
+
+        Raises HardwareError at the only file, and at one that speaks of failure data, which would
+        be lost.
+        """
+        try:
+            return self._read(path)
+        except HardwareError as error:
+            if not self._is_whole or _OF_INTEREST.search(file_bytes(path)):
+                raise
+            self._unread[path] = error
+            return None
 
     def _read(self, path: Path) -> Symbol:
         if self._is_whole:
@@ -79,8 +104,8 @@ class Project:
         self._tops[path] = top
         return top
 
-    def _find(self, file: Path, name: str, asked_at: Location) -> Found | None:
-        """Return the element at the top of another file, or the library package, of a name.
+    def _find(self, file: Path, name: Name, asked_at: Location) -> Found | None:
+        """Return the element of a qualified name in another file, or the library package.
 
         Packages of which we know each name go before files.
         Raises HardwareError where several files that are equally near declare it.
@@ -88,48 +113,62 @@ class Project:
         # Files of one folder see the same.
         key = (str(file.parent), name)
         if key not in self._found:
-            standard = standard_package(name)
+            standard = standard_package(name[0]) if len(name) == 1 else None
             is_known = standard is not None and standard.is_closed
             hit = None if is_known else self._nearest(file, name, asked_at)
             self._found[key] = hit or standard
         return self._found[key]
 
-    def _nearest(self, file: Path, name: str, asked_at: Location) -> Symbol | None:
+    def _nearest(self, file: Path, name: Name, asked_at: Location) -> Symbol | None:
         pairs = list(self._declaring(file, name))
         if not pairs:
             return None
         steps = [len(_steps(file.parent, path.parent)) for path, _ in pairs]
         near = [pair for pair, count in zip(pairs, steps, strict=True) if count == min(steps)]
+        if len(near) > 1 and len(name) > 1:
+            return None
         if len(near) > 1:
             files = " and ".join(path.relative_to(self._folder).as_posix() for path, _ in near)
             where = "in this folder" if self._is_whole else "beside this file"
             raise HardwareError(
-                f"package '{name}' is declared by {files} {where}; keep one of them", asked_at
+                f"package '{name[0]}' is declared by {files} {where}; keep one of them", asked_at
             )
         return near[0][1]
 
-    def _declaring(self, file: Path, name: str) -> Iterator[tuple[Path, Symbol]]:
-        """Yield the other files whose top has an element of a name, and the element."""
-        declares = re.compile(
-            rb"\bpackage\s+(?:<[^>]*>\s*)?(?:%b\b|'%b')"
-            % (re.escape(name.encode()), re.escape(name.encode()))
-        )
-        paths = list(self._tops) if self._is_whole else sysml_files_in(self._folder)
-        for path in paths:
-            if path == file or not path.is_file() or path.stat().st_size > MAX_BYTES:
+    def _declaring(self, file: Path, name: Name) -> Iterator[tuple[Path, Symbol]]:
+        """Yield the other files that have an element of a qualified name, and the element.
+
+        Raises HardwareError at one that declares the package and cannot be read.
+        """
+        files = [*self._tops, *self._unread] if self._is_whole else sysml_files_in(self._folder)
+        for path in files:
+            if path == file or name[0] not in self._declared(path):
                 continue
-            top = self._tops.get(path)
-            if top is None:
-                try:
-                    data = file_bytes(path)
-                except OSError:
-                    continue
-                if not declares.search(data) or _is_library(path):
-                    continue
-                top = self._read(path)
-            hit = top.own(name)
+            if path in self._unread:
+                raise self._unread[path]
+            hit: Symbol | None = self._tops.get(path) or self._read(path)
+            for segment in name:
+                hit = None if hit is None else hit.own(segment)
             if hit is not None:
                 yield path, hit
+
+    def _declared(self, path: Path) -> frozenset[str]:
+        """Return the names at the top of a file, of one not read yet those of its packages."""
+        top = self._tops.get(path)
+        if top is not None:
+            return frozenset(top.names)
+        if path not in self._packages:
+            self._packages[path] = _packages(path)
+        return self._packages[path]
+
+
+def _packages(path: Path) -> frozenset[str]:
+    """Return the packages of a file that is worth reading for them."""
+    try:
+        is_read = path.is_file() and path.stat().st_size <= MAX_BYTES and not _is_library(path)
+        return packages_in(file_bytes(path)) if is_read else frozenset()
+    except OSError:
+        return frozenset()
 
 
 def _is_library(path: Path) -> bool:
@@ -147,9 +186,3 @@ def _is_library(path: Path) -> bool:
 def _steps(start: Path, end: Path) -> tuple[str, ...]:
     """Return the folders to leave and to enter on the way from one folder to another."""
     return Path(os.path.relpath(end, start)).parts
-
-
-def is_part(symbol: Symbol) -> bool:
-    """Whether a symbol is a usage of a part or an item."""
-    node = symbol.node
-    return isinstance(node, Element) and not node.is_definition and node.kind in ("part", "item")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 from tracerisk.common.hardware.sysml.annotations import Annotations, own_annotations
 from tracerisk.common.hardware.sysml.composition import Composition
@@ -24,17 +25,22 @@ def find_root(
 ) -> Symbol:
     """Return the system: the one part usage, else the one part definition, that holds components.
 
-    A usage stands directly in a package; a definition counts if no other element of the files is
-    of it or specialises it. `system` names one of them, by its name or with its packages.
+    A usage stands directly in a package; a definition, in a package before one within a definition,
+    counts if no other element of the files is of it or specialises it. `system` names one of
+    them, by its name or with its packages.
     Raises HardwareError where there are several, or none.
     """
     holds = _Holding(composition, annotations)
     top = [symbol for main in mains for symbol in _in_packages(main)]
+    within = [inner for symbol in top for inner in _definitions_in(symbol)]
     if system is not None:
-        return _named(system, top, holds, mains[0])
+        return _named(system, [*top, *within], holds, mains[0])
     usages = [symbol for symbol in top if _is(symbol, is_definition=False) and holds(symbol)]
-    symbols = usages or _unused(
-        [symbol for symbol in top if _is(symbol, is_definition=True) and holds(symbol)], mains
+    definitions = [symbol for symbol in top if _is(symbol, is_definition=True)]
+    symbols = (
+        usages
+        or _unused([symbol for symbol in definitions if holds(symbol)], mains)
+        or _unused([symbol for symbol in within if holds(symbol)], mains)
     )
     if not symbols:
         _say_where_data_is_lost(mains)
@@ -113,6 +119,14 @@ def _in_packages(top: Symbol) -> Iterator[Symbol]:
             yield member
 
 
+def _definitions_in(symbol: Symbol) -> Iterator[Symbol]:
+    """Yield the part definitions within a definition or a usage."""
+    for member in symbol.members if isinstance(symbol.node, Element) else ():
+        if _is(member, is_definition=True):
+            yield member
+        yield from _definitions_in(member)
+
+
 def _is_structural(symbol: Symbol) -> bool:
     return isinstance(symbol.node, Element) and symbol.node.kind in _STRUCTURAL
 
@@ -180,5 +194,6 @@ def _unused(definitions: list[Symbol], mains: Sequence[Symbol]) -> list[Symbol]:
         if isinstance(symbol.node, Package | Element):
             waiting.extend(symbol.members)
         if isinstance(symbol.node, Element) and symbol.is_structural:
-            used.update(general for general in symbol.generals() if isinstance(general, Symbol))
+            with suppress(HardwareError):  # whoever reads it as the system says what is wrong
+                used.update(general for general in symbol.generals() if isinstance(general, Symbol))
     return [definition for definition in definitions if definition not in used]

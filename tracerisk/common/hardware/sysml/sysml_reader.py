@@ -16,7 +16,7 @@ from tracerisk.common.hardware.sysml.annotations import Annotations, Metadata
 from tracerisk.common.hardware.sysml.composition import Composition, Place, product
 from tracerisk.common.hardware.sysml.fields import Fields
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
-from tracerisk.common.hardware.sysml.language.skipped import skipped_warnings
+from tracerisk.common.hardware.sysml.language.skipped import missing_warnings, skipped_warnings
 from tracerisk.common.hardware.sysml.language.syntax import Element
 from tracerisk.common.hardware.sysml.project import Project
 from tracerisk.common.hardware.sysml.redundancy_of_others import redundancy_of_others
@@ -82,7 +82,8 @@ class _Reading:
                 root.location(),
             )
         robot, source = self._description(root)
-        skipped = skipped_warnings(self._project.files)
+        files = self._project.files
+        skipped = (*skipped_warnings(files), *missing_warnings(files), *self._project.warnings)
         return Hardware(
             file=file,
             components=tuple(components.values()),
@@ -112,6 +113,13 @@ class _Reading:
     def _components(self, root: Symbol) -> dict[str, Component]:
         components: dict[str, Component] = {}
         for place in self._composition.unfold(root):
+            hidden = place.symbol.hidden()
+            if hidden is not None:
+                self._warn(
+                    place.symbol.location(),
+                    f"'{hidden.name}' is inherited from {hidden.location()} already, and is read "
+                    f"as 'part :>> {hidden.name}'; write this, or give it another name",
+                )
             component = self._component(place)
             if component is None:
                 continue

@@ -29,12 +29,14 @@ if TYPE_CHECKING:
 class Imports:
     """The imports of one namespace, and what they name."""
 
-    __slots__ = ("_asked", "_found", "_space")
+    __slots__ = ("_asked", "_found", "_space", "missing")
 
     def __init__(self, space: Symbol) -> None:
         self._space = space
         self._found: list[tuple[Import, Found]] | None = None
         self._asked: set[str] = set()
+        self.missing: list[tuple[Import, HardwareError]] = []
+        """The imports that lead to nothing, as far as they were looked up, and why."""
 
     def named(self, name: str, *, public_only: bool = False) -> Found | None:
         """Return what is imported by a name; `None` for nothing."""
@@ -55,30 +57,44 @@ class Imports:
     def _spaces(self) -> list[tuple[Import, Found]]:
         """Return the imports of this namespace with what they name.
 
-        An import may name what another one brings. Raises HardwareError at one that names
-        nothing.
+        An import may name what another one brings. One that names nothing is `missing`: an error
+        where a name may come from it.
         """
         if self._found is not None:
             return self._found
         # What is found so far helps to find the rest.
         imports = self._found = []
-        try:
-            waiting = [member for member in self._space.nodes if isinstance(member, Import)]
-            while waiting:
-                left = []
-                for item in waiting:
-                    space = self._space.lookup(item.target)
-                    if space is not None:
-                        imports.append((item, space))
-                    elif not self.is_skipped(item.target.name):
-                        left.append(item)
-                if len(left) == len(waiting):
-                    raise self._space.unknown(left[0].target)
-                waiting = left
-        except HardwareError:
-            self._found = None  # the next to ask gets the error as well
-            raise
+        left = [member for member in self._space.nodes if isinstance(member, Import)]
+        count = -1
+        while len(left) != count:
+            count = len(left)
+            left = [item for item in left if not self._is_done(item, imports)]
         return imports
+
+    def _is_done(self, item: Import, imports: list[tuple[Import, Found]]) -> bool:
+        """Note what an import names; return whether there is anything, read or not."""
+        self.missing = [pair for pair in self.missing if pair[0] is not item]
+        try:
+            space = self._space.lookup(item.target)
+        except HardwareError as error:
+            self.missing.append((item, error))
+            return False
+        if space is not None:
+            imports.append((item, space))
+        elif not self.is_skipped(item.target.name):
+            self.missing.append((item, self._space.unknown(item.target)))
+            return False
+        return True
+
+    def cause(self, name: str) -> HardwareError | None:
+        """Return the error of the missing import, here or around, that may have had a name."""
+        scope: Symbol | None = self._space
+        while scope is not None:
+            for item, error in scope.imports.missing:
+                if item.every or item.recursive or item.target.name[-1] == name:
+                    return error
+            scope = scope.owner
+        return None
 
     def is_skipped(self, name: Name) -> bool:
         """Whether a name leads into an element that is not read, such as an action."""

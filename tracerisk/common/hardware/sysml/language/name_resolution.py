@@ -45,7 +45,7 @@ class Symbol:
         node: Package | Element | Annotation | Alias,
         owner: Symbol | None,
         source: SourceText,
-        find_package: Callable[[str, Location], Found | None],
+        find_package: Callable[[Name, Location], Found | None],
     ) -> None:
         self.node = node
         self.owner = owner
@@ -100,12 +100,25 @@ class Symbol:
         return self._members
 
     def own(self, name: str) -> Symbol | None:
-        """Return the element declared within by that name or short name."""
+        """Return the element declared within by that name or short name.
+
+        Raises HardwareError where two are called alike.
+        """
+        return self._names().get(name)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names and short names of the elements declared within."""
+        return tuple(self._names())
+
+    def _names(self) -> dict[str, Symbol]:
         if self._by_name is None:
             symbols: dict[str, Symbol] = {}
             for member in self.members:
                 node = member.node
                 names = {member.name, None if isinstance(node, Annotation) else node.short}
+                if isinstance(node, Element) and node.name is None and _is_chain(node):
+                    names = {node.short}  # a value for a feature of a feature, `:>> arm.speed = 1`
                 for key in sorted(filter(None, names)):
                     if key in symbols:
                         before = symbols[key].location()
@@ -115,7 +128,7 @@ class Symbol:
                         )
                     symbols[key] = member
             self._by_name = symbols
-        return self._by_name.get(name)
+        return self._by_name
 
     # What an element specialises.
 
@@ -135,7 +148,8 @@ class Symbol:
             return ()
         self._active = True
         try:
-            symbols = [self._redefined(target) for target in node.redefines]
+            symbols: list[Found | None] = [self.hidden()]
+            symbols += [self._redefined(target) for target in node.redefines]
             symbols += [self._resolve_general(target) for target in (*node.subsets, *node.types)]
             self._generals = tuple(dict.fromkeys(item for item in symbols if item is not None))
         finally:
@@ -160,8 +174,19 @@ class Symbol:
         """Return the features that the element redefines."""
         if not isinstance(self.node, Element):
             return ()
-        targets = (self._redefined(redefine) for redefine in self.node.redefines)
+        targets = [self.hidden(), *map(self._redefined, self.node.redefines)]
         return tuple(target for target in targets if isinstance(target, Symbol))
+
+    def hidden(self) -> Symbol | None:
+        """Return the inherited part that a part of the same name stands for without `:>>`."""
+        node = self.node
+        if not isinstance(node, Element) or not node.is_part or node.redefines:
+            return None
+        if node.name is None or "ref" in node.prefixes:
+            return None
+        hit = self.scope().inherited(node.name)
+        is_part = isinstance(hit, Symbol) and isinstance(hit.node, Element) and hit.node.is_part
+        return hit if is_part and hit is not self else None  # type: ignore[return-value]
 
     def _redefined(self, target: Reference) -> Found | None:
         owner = self.scope()
@@ -219,7 +244,7 @@ class Symbol:
             if hit is None:
                 return None
             if isinstance(hit, Symbol) and isinstance(hit.node, Package):
-                hit = hit.exported(segment)
+                hit = hit.exported(segment) or hit.continued(segment)
             else:
                 hit = hit.member(segment)
             if index >= MAX_CHAIN:
@@ -234,7 +259,30 @@ class Symbol:
                 return hit
             top = scope
             scope = scope.owner
-        return top.find_package(name, self.location())
+        return top.find_package((name,), self.location()) or self.continued(name)
+
+    def continued(self, name: str) -> Found | None:
+        """Return what another file declares by a name in a package around that has one name."""
+        scope: Symbol | None = self
+        while scope is not None and scope.owner is not None:
+            if isinstance(scope.node, Package) and scope.path is not None:
+                hit = self.find_package((*scope.path, name), self.location())
+                if hit is not None:
+                    return hit
+            scope = scope.owner
+        return None
+
+    @property
+    def path(self) -> Name | None:
+        """The names of the packages from the top of the file to this one; `None` for no package."""
+        names: list[str] = []
+        scope: Symbol | None = self
+        while scope is not None and scope.owner is not None:
+            if not isinstance(scope.node, Package) or scope.name is None:
+                return None
+            names.append(scope.name)
+            scope = scope.owner
+        return tuple(reversed(names))
 
     def visible(self, name: str) -> Found | None:
         """Return what `name` is in this namespace alone: own, inherited, then imported."""
@@ -280,7 +328,14 @@ class Symbol:
         """Return the error for a name that stands for nothing."""
         from tracerisk.common.hardware.sysml.language.unknown_names import unknown_name
 
+        cause = self.imports.cause(target.name[0])
+        if cause is not None:
+            return cause
         return HardwareError(unknown_name(self, target), self.location(target.at))
+
+
+def _is_chain(node: Element) -> bool:
+    return bool(node.redefines and node.redefines[0].steps)
 
 
 def _own(space: Symbol, name: str) -> Found | None:

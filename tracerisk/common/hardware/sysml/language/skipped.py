@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from tracerisk.common.hardware.sysml.annotations import KINDS
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.standard_names import OURS, Standard
@@ -35,15 +37,35 @@ def skipped_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _skipped(top: Symbol) -> list[tuple[Symbol, Skipped]]:
-    pairs = []
+def missing_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
+    """Return a line for each file with imports that lead to nothing, with the first of them."""
+    warnings = []
+    for top in files:
+        errors = [error for symbol in _within(top) for _, error in symbol.imports.missing]
+        if errors:
+            more = f" ({len(errors) - 1} more like it)" if len(errors) > 1 else ""
+            why = "this import leads to nothing, and no part of the system needs it"
+            warnings.append(f"{errors[0]}; {why}{more}")
+    return tuple(warnings)
+
+
+def _within(top: Symbol) -> Iterator[Symbol]:
+    """Yield an element, and those within it that can have members."""
     waiting = [top]
     while waiting:
         symbol = waiting.pop()
         if isinstance(symbol.node, Package | Element):
-            nodes = symbol.node.members
-            pairs += [(symbol, node) for node in nodes if isinstance(node, Skipped)]
+            yield symbol
             waiting.extend(symbol.members)
+
+
+def _skipped(top: Symbol) -> list[tuple[Symbol, Skipped]]:
+    pairs = [
+        (symbol, node)
+        for symbol in _within(top)
+        for node in symbol.nodes
+        if isinstance(node, Skipped)
+    ]
     return sorted(pairs, key=lambda pair: pair[1].at)
 
 

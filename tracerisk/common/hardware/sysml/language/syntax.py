@@ -255,6 +255,11 @@ class Element:
     annotations: tuple[Annotation, ...] = field(default=())
     """The metadata before its kind, `#Name`."""
 
+    @property
+    def is_part(self) -> bool:
+        """Whether it is a usage of a part or an item."""
+        return not self.is_definition and self.kind in ("part", "item")
+
 
 @dataclass(frozen=True, slots=True)
 class Skipped:

@@ -19,13 +19,14 @@ MAX_DEPTH = 100
 _PATTERN = re.compile(
     r"""
       (?P<SPACE>(?:[ \t\r\n\f\v]+|//\*[\s\S]*?\*/|//(?!\*)[^\n]*)+)
-    | (?P<NAME>[A-Za-z_][A-Za-z0-9_]*)
+    | (?P<NAME>[^\W\d]\w*|°\w*)
     | (?P<SIGNS>::>|:>>|:>|:=|::|:|===|==|=>|=|!==|!=|->|\.\.|\.\?|\*\*|@@|\?\?|<=|>=
               |[;{}()\[\],@\#*%^+\-~<>|&?]|/(?![*/])|\.(?![0-9]))
     | (?P<NUMBER>(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
     | (?P<STRING>"(?:[^"\\]|\\[\s\S])*")
     | (?P<QUOTED>'(?:[^'\\\n]|\\[^\n])*')
     | (?P<COMMENT>/\*[\s\S]*?\*/)
+    | (?P<OTHER>(?!/\*|//\*|['"])[\s\S])
     """,
     re.VERBOSE,
 )
@@ -82,7 +83,8 @@ def cut(source: SourceText) -> list[Token]:
         at = match.start()
         value = match.group()
         if kind == "NAME":
-            kind = words.get(value, "NAME")
+            is_within = bool(tokens) and tokens[-1].type in ("_DOT", "_SCOPE")
+            kind = "NAME" if is_within else words.get(value, "NAME")
             if is_start and (kind == "SKIPPED" or kind == "NOT"):
                 append(_skip(source, match, stream))
                 continue
@@ -121,6 +123,8 @@ def cut(source: SourceText) -> list[Token]:
             is_start = is_start and _is_prefix_name(tokens)
         elif kind == "COMMENT":
             is_start = True
+        elif kind == "OTHER":
+            raise HardwareError(_bad_character(source.text, at), source.location(at))
         else:
             is_start = False
         assert kind is not None
@@ -155,11 +159,6 @@ def _bad_character(text: str, at: int) -> str:
         return "this text is never closed; expected '\"' at its end"
     if text[at] == "'":
         return 'this quoted name is not closed; expected "\'" on the same line'
-    if text[at].isalpha():
-        return (
-            f"'{text[at]}' is not allowed in a name without quotes; write the whole name in single "
-            "quotes, or use A to Z, digits and '_'"
-        )
     return f"'{text[at]}' ({ascii(text[at])[1:-1]}) is not allowed here; remove it"
 
 

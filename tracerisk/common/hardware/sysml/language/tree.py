@@ -36,7 +36,7 @@ from tracerisk.errors import HardwareError
 
 _ESCAPE = re.compile(r"\\([\s\S])")
 _ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "b": "\b", "f": "\f"}
-_METADATA_NAME = r"(?:'(?:[^'\\\n]|\\.)*'|[A-Za-z_][A-Za-z0-9_]*)"
+_METADATA_NAME = r"(?:'(?:[^'\\\n]|\\.)*'|[^\W\d]\w*)"
 _SKIPPED_METADATA = re.compile(
     rf"(?:[@#]|\bmetadata\b)\s*(?:{_METADATA_NAME}\s*:\s*(?!:))?"
     rf"({_METADATA_NAME}(?:\s*::\s*{_METADATA_NAME})*)"
