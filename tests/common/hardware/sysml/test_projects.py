@@ -448,3 +448,16 @@ def test_imports_and_risks_of_behaviour_that_another_package_brings_lead_to_noth
         one_file(tmp_path, lost)
     other = one_file(tmp_path, text.replace("Steps::'provide power'", "Steps::'provide powers'"))
     assert "'Steps' has no 'provide powers'" in str(other.warnings)
+
+
+def test_failure_data_of_no_part_of_the_system_is_reported(tmp_path):
+    text = f"""package X {{
+        part cell {{ part arm {{ {DATA} }} }}
+        part def Cart {{ part wheel {{ {DATA} }} part drive {{ {DATA} }} }} }}"""
+    hardware = one_file(tmp_path, text)
+    assert named(hardware) == {"arm": 1}
+    assert hardware.warnings == (
+        "m.sysml:3:30: 'X::Cart::wheel' has failure data, but is no part of the system 'cell', "
+        "nor are 1 more with failure data; name the system by --system, or make it a part",
+    )
+    assert one_file(tmp_path, text, system="cell").warnings == ()

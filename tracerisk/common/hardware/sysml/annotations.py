@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
-from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.name_resolution import (
+    Symbol,
+    ancestors,
+)
 from tracerisk.common.hardware.sysml.language.standard_names import (
     FEATURES,
     LEVELS,
@@ -157,6 +162,14 @@ def _read_feature(
         found[name] = Given(node.value.expression, scope, node.at, {})
 
 
+def elements_in(top: Symbol) -> Iterator[Symbol]:
+    """Yield an element, and those within it that can have members, in the order of the file."""
+    if isinstance(top.node, Package | Element):
+        yield top
+        for member in top.members:
+            yield from elements_in(member)
+
+
 def own_annotations(symbol: Symbol) -> list[Metadata]:
     """Return the metadata that are written on an element itself."""
     node = symbol.node
@@ -248,6 +261,16 @@ class Annotations:
     def targets(self) -> tuple[Symbol, ...]:
         """Return the elements that metadata elsewhere are about."""
         return tuple(self._about)
+
+    def outside(self, inside: Collection[object], tops: Sequence[Symbol]) -> list[Symbol]:
+        """Return the elements with failure data of their own that are not among some."""
+        lost = []
+        for symbol in (symbol for top in tops for symbol in elements_in(top)):
+            if symbol not in inside:
+                with suppress(HardwareError):  # of metadata that nothing needs
+                    if any(metadata.kind == "FailureData" for metadata in self.own(symbol)):
+                        lost.append(symbol)
+        return lost
 
     def own(self, symbol: Symbol) -> list[Metadata]:
         """Return the metadata on an element itself, those about it included."""

@@ -15,7 +15,7 @@ from tracerisk.common.hardware.sysml import figures as meaning
 from tracerisk.common.hardware.sysml.annotations import Annotations, Metadata
 from tracerisk.common.hardware.sysml.composition import Composition, Place, product
 from tracerisk.common.hardware.sysml.fields import Fields
-from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
+from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.skipped import missing_warnings, skipped_warnings
 from tracerisk.common.hardware.sysml.language.syntax import Element
 from tracerisk.common.hardware.sysml.project import Project
@@ -81,6 +81,8 @@ class _Reading:
                 "'@FailureData { rate = 5.7e-6 [h^-1]; }'",
                 root.location(),
             )
+        if self._system is None:
+            self._warn_of_data_outside(root)
         robot, source = self._description(root)
         files = self._project.files
         skipped = (*skipped_warnings(files), *missing_warnings(files), *self._project.warnings)
@@ -91,6 +93,20 @@ class _Reading:
             source=source,
             warnings=(*skipped, *self._warnings),
         )
+
+    def _warn_of_data_outside(self, root: Symbol) -> None:
+        """Warn of failure data that no part of the system has."""
+        lost = self._annotations.outside(
+            {kin for place in self._composition.unfold(root) for kin in ancestors(place.symbol)},
+            self._project.main,
+        )
+        if lost:
+            more = f", nor are {len(lost) - 1} more with failure data" if len(lost) > 1 else ""
+            self._warn(
+                lost[0].location(),
+                f"'{lost[0]}' has failure data, but is no part of the system '{root.name}'{more}; "
+                "name the system by --system, or make it a part",
+            )
 
     def _description(self, root: Symbol) -> tuple[str | None, str | None]:
         fields = self._single(root, "HardwareData", (root,))

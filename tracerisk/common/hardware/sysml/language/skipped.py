@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from tracerisk.common.hardware.sysml.annotations import KINDS
+from tracerisk.common.hardware.sysml.annotations import KINDS, elements_in
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.standard_names import OURS, Standard
-from tracerisk.common.hardware.sysml.language.syntax import Element, Package, Reference, Skipped
+from tracerisk.common.hardware.sysml.language.syntax import Reference, Skipped
 from tracerisk.errors import HardwareError
 
 
@@ -41,7 +39,7 @@ def missing_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
     """Return a line for each file with imports that lead to nothing, with the first of them."""
     warnings = []
     for top in files:
-        errors = [error for symbol in _within(top) for _, error in symbol.imports.missing]
+        errors = [error for symbol in elements_in(top) for _, error in symbol.imports.missing]
         if errors:
             more = f" ({len(errors) - 1} more like it)" if len(errors) > 1 else ""
             why = "this import leads to nothing, and no part of the system needs it"
@@ -49,20 +47,10 @@ def missing_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _within(top: Symbol) -> Iterator[Symbol]:
-    """Yield an element, and those within it that can have members."""
-    waiting = [top]
-    while waiting:
-        symbol = waiting.pop()
-        if isinstance(symbol.node, Package | Element):
-            yield symbol
-            waiting.extend(symbol.members)
-
-
 def _skipped(top: Symbol) -> list[tuple[Symbol, Skipped]]:
     pairs = [
         (symbol, node)
-        for symbol in _within(top)
+        for symbol in elements_in(top)
         for node in symbol.nodes
         if isinstance(node, Skipped)
     ]
