@@ -1,10 +1,16 @@
 """The sample controller through the whole path."""
 
+import json
 import math
 
 import pytest
 
 from tests.pipeline.conftest import OUTPUTS
+from tests.prm.other_models.formats.openpra_engine import (
+    check_by_engine,
+    needs_engine,
+    violations,
+)
 
 STEPS = ["init", "pick_position", "pick", "place_position", "place"]
 LISTING = """\
@@ -136,6 +142,20 @@ def test_the_model_file_and_the_annotated_source_solve_alike(sample_run):
     by_model = example.run("solve", "model.json", "--json").json["assessment"]
     by_source = example.run("solve", "pick_and_place.py", "--json").json["assessment"]
     assert by_model == by_source == outcome.json["assessment"]
+
+
+def test_what_is_converted_keeps_the_rules_of_openpra(sample_run, example):
+    run, _ = sample_run
+    example.write("pick_and_place.py", run.read("pick_and_place.py"))
+    assert example.run("convert", "pick_and_place.py", "-o", "openpra.json").code == 0
+    assert violations(json.loads(example.read("openpra.json"))) == []
+
+
+@needs_engine
+def test_the_openpra_engine_itself_solves_what_is_converted(sample_run, example):
+    run, _ = sample_run
+    example.write("pick_and_place.py", run.read("pick_and_place.py"))
+    check_by_engine(example, "pick_and_place.py")
 
 
 def test_run_says_what_the_figure_is_and_never_calls_it_a_safety_level(sample_run):

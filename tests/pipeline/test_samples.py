@@ -14,12 +14,10 @@ from pathlib import Path
 import pytest
 
 from tests.pipeline.every_law import figure_by_every_law, made_up
-from tests.prm.other_models.formats.models import solved_tops
-from tests.prm.other_models.formats.openpra_engine import engine_figures, needs_engine, violations
+from tests.prm.other_models.formats.openpra_engine import check_by_engine, needs_engine, violations
 from tests.slow import slow_but
 from tracerisk.adder.sources.insert import strip_blocks
 from tracerisk.common import trace_json
-from tracerisk.prm.other_models.formats.openpra import loads_openpra
 
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
 PACKAGE = "part_sorting/src/part_sorting"
@@ -517,12 +515,7 @@ def test_the_openpra_engine_itself_solves_what_is_converted(name, ran, example):
     sources = ALL[name].annotated
     for source in sources:
         example.write(source, run.read(source))
-    assert example.run("convert", *sources, "-o", "openpra.json").code == 0
-    text = example.read("openpra.json").decode()
-    tops, _ = engine_figures(json.loads(text))
-    ours = solved_tops(loads_openpra(text, "openpra.json"), 1.0)
-    assert tops
-    assert sorted(tops.values()) == pytest.approx(sorted(ours.values()), rel=1e-12)
+    check_by_engine(example, *sources)
 
 
 @pytest.mark.slow

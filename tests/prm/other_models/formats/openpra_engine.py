@@ -12,6 +12,9 @@ from collections import Counter
 
 import pytest
 
+from tests.prm.other_models.formats.models import solved_tops
+from tracerisk.prm.other_models.formats.openpra import loads_openpra
+
 ENGINE = os.environ.get("TRACERISK_OPENPRA_ENGINE", "")
 """Where the engine's module for Node.js is: `scram-node.node`, built from openpra-monorepo."""
 needs_engine = pytest.mark.skipif(
@@ -54,6 +57,16 @@ def engine_figures(request):
         for sequence in initiating["sequences"]
     }
     return tops, ends
+
+
+def check_by_engine(example, *sources):
+    """Convert the sources of a mission; compare the engine's figures of it with ours."""
+    assert example.run("convert", *sources, "-o", "openpra.json").code == 0
+    text = example.read("openpra.json").decode()
+    tops, _ = engine_figures(json.loads(text))
+    ours = solved_tops(loads_openpra(text, "openpra.json"), 1.0)
+    assert tops
+    assert sorted(tops.values()) == pytest.approx(sorted(ours.values()), rel=1e-12)
 
 
 def violations(request):
