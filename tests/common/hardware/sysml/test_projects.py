@@ -461,3 +461,15 @@ def test_failure_data_of_no_part_of_the_system_is_reported(tmp_path):
         "nor are 1 more with failure data; name the system by --system, or make it a part",
     )
     assert one_file(tmp_path, text, system="cell").warnings == ()
+
+
+def test_of_several_systems_those_that_can_be_read_are_named_first(project):
+    folder = project(
+        {
+            "cell.sysml": f"package Cell {{ part cell {{ part arm {{ {DATA} }} }} }}",
+            "cart.sysml": "package Cart { part cart : Lost; }",
+        }
+    )
+    with pytest.raises(HardwareError, match=r"several parts .*: 'cell' .*, 'cart' "):
+        read_sysml(folder)
+    assert named(read_sysml(folder, system="cell")) == {"arm": 1}

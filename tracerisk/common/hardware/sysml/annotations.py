@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -31,6 +32,9 @@ from tracerisk.errors import HardwareError, Location, one_of
 
 KINDS = ("FailureData", "FailureMode", "HardwareData", "Redundancy", "TwinBinding")
 """Our metadata."""
+
+OF_FAILURES = re.compile(r"\b(?:TraceriskHardware|FailureData|RiskMetadata)\b")
+"""What a text has in it that may give failure data."""
 
 _NESTED = {
     "weibull": "Weibull",

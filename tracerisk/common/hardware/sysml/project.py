@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from tracerisk.common.hardware.source_files import packages_in, sysml_files, sysml_files_in
+from tracerisk.common.hardware.sysml.annotations import OF_FAILURES
 from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import standard_package
@@ -20,7 +21,6 @@ MAX_BYTES = 16 * 1024 * 1024
 """How long a file may be [bytes]."""
 
 _HEAD = 65_536
-_OF_INTEREST = re.compile(rb"\b(?:TraceriskHardware|FailureData|RiskMetadata)\b")
 _LIBRARY = re.compile(rb"\blibrary\s+package\s+(?:<[^>]*>\s*)?(?:'([^'\n]+)'|(\w+))")
 
 
@@ -89,7 +89,7 @@ class Project:
         try:
             return self._read(path)
         except HardwareError as error:
-            if not self._is_whole or _OF_INTEREST.search(file_bytes(path)):
+            if not self._is_whole or OF_FAILURES.search(_text(path)):
                 raise
             self._unread[path] = error
             return None
@@ -160,6 +160,10 @@ class Project:
         if path not in self._packages:
             self._packages[path] = _packages(path)
         return self._packages[path]
+
+
+def _text(path: Path) -> str:
+    return file_bytes(path).decode(errors="replace")
 
 
 def _packages(path: Path) -> frozenset[str]:

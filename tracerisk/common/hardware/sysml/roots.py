@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
-from tracerisk.common.hardware.sysml.annotations import Annotations, own_annotations
+from tracerisk.common.hardware.sysml.annotations import OF_FAILURES, Annotations, own_annotations
 from tracerisk.common.hardware.sysml.composition import Composition
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.skipped import skipped_warnings
@@ -50,6 +50,7 @@ def find_root(
             mains[0].location(0),
         )
     if len(symbols) > 1:
+        symbols.sort(key=holds.is_unread)
         is_one_file = len({symbol.source for symbol in symbols}) == 1
         is_distinct = len({symbol.name for symbol in symbols}) == len(symbols)
         names = ", ".join(
@@ -154,6 +155,14 @@ class _Holding:
             return self._holds(symbol)
         except HardwareError:
             return True  # whoever reads it as the system says what is wrong
+
+    def is_unread(self, symbol: Symbol) -> bool:
+        """Whether an element cannot be read, and nothing in its file speaks of failure data."""
+        try:
+            self._holds(symbol)
+        except HardwareError:
+            return OF_FAILURES.search(symbol.source.text) is None
+        return False
 
     def _holds(self, symbol: Symbol) -> bool:
         waiting = [symbol]
