@@ -3,6 +3,7 @@ import importlib.util
 import subprocess
 import sys
 import types
+from collections import Counter
 
 import pytest
 
@@ -38,6 +39,20 @@ def test_a_star_import_brings_every_message(finder):
     names: dict[str, object] = {}
     exec("from control_msgs.msg import *", names)
     assert {"FollowJointTrajectoryAction", "FollowJointTrajectoryGoal", "JointJog"} <= set(names)
+
+
+def test_a_star_import_asks_for_a_class_twice_at_most():
+    asked: Counter[str] = Counter()
+
+    class Counting(Interfaces):
+        def interface(self, package, kind, name):
+            asked[name] += 1
+            return super().interface(package, kind, name)
+
+    with StandInFinder(Counting()):
+        exec("from control_msgs.msg import *", {})
+    # For the names of the modules that it brings, and for its own.
+    assert max(asked.values()) == 2
 
 
 def test_dir_lists_the_messages_without_making_them(finder):

@@ -321,23 +321,25 @@ class _InterfaceModule(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         if name == "__all__":
-            return [*self._names(), *self._interfaces.star_names(self._package, self._kind)]
+            return [*self._names, *self._interfaces.star_names(self._package, self._kind)]
         if name.startswith("__"):
             raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'")
-        if name in self._names():
+        if name in self._names:
             value = self._make(name)
         elif name in self._interfaces.star_names(self._package, self._kind):
             value = import_module(name)
         else:
-            raise AttributeError(missing_name(self.__name__, name, self._names()), name=name)
+            raise AttributeError(missing_name(self.__name__, name, self._names), name=name)
         setattr(self, name, value)
         return value
 
     def __dir__(self) -> list[str]:
-        return sorted({*vars(self), *self._names()})
+        return sorted({*vars(self), *self._names})
 
-    def _names(self) -> list[str]:
-        return list(self._interfaces.module_names(self._package, self._kind))
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        # Asked for at each name of a package, of which some have hundreds.
+        return self._interfaces.module_names(self._package, self._kind)
 
     def _make(self, name: str) -> Any:
         try:

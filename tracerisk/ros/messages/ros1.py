@@ -108,12 +108,13 @@ class Interfaces(InterfaceStore):
         The modules that genpy generates import what they need, and have no `__all__`: programs
         use those names, knowingly or not.
         """
-        classes = [self.interface(package, kind, name) for name in self.module_names(package, kind)]
-        fields = (field for class_ in classes for field in getattr(class_, "_fields", ()))
-        packages = {field.base.split("/")[0] for field in fields if field.message is not None}
-        result = tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
-        self._star_names[package, kind] = result
-        return result
+        key = package, kind
+        if key not in self._star_names:
+            classes = [self.interface(*key, name) for name in self.module_names(*key)]
+            fields = (field for class_ in classes for field in getattr(class_, "_fields", ()))
+            packages = {field.base.split("/")[0] for field in fields if field.message is not None}
+            self._star_names[key] = tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
+        return self._star_names[key]
 
     def modules(self, package: str, kind: str) -> tuple[str, ...]:
         """Return the modules below `package.kind`, as genpy generates them: `_PoseStamped`."""
@@ -133,7 +134,7 @@ class Interfaces(InterfaceStore):
         Raises:
             InputError: none is known, or its text is malformed.
         """
-        if kind == "srv" and name in self.service_names(package):
+        if kind == "srv" and name in self._files(package, "srv"):
             return self.service(f"{package}/{name}")
         return self.message(f"{package}/{name}")
 
