@@ -30,6 +30,7 @@ def test_the_run_draws_by_it(unseen_windows):
     assert f"module://{unseen_windows.__name__}" == controller_run._FIGURES
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", ["draw_idle", "flush_events"])
 def test_a_figure_that_is_shown_is_not_drawn(drawn, name):
     canvas, times = drawn

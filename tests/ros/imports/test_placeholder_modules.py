@@ -115,7 +115,7 @@ IMPORTS = {
 }
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("statement", "line", "remedy"), IMPORTS.values(), ids=IMPORTS)
 def test_a_run_drafts_a_module_that_is_missing(example, statement, line, remedy):
     example.write("beside.py", "import absent_library\n")
@@ -136,6 +136,7 @@ def test_no_placeholder_stands_for_what_moves_the_robot(example):
     assert ran.json["verdict"]["kind"] == "stuck"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("package", ["acme_msgs.msg", "acme.srv"])
 def test_no_placeholder_stands_for_messages(example, package):
     """They are made of how the program uses them, which is told."""

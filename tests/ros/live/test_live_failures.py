@@ -97,6 +97,7 @@ def reasons(trace):
     )
 
 
+@pytest.mark.slow
 def test_what_fails_is_said_as_on_the_stand_ins(real_ros, script, capfd):
     del real_ros
     live = traced(script, 1.0)

@@ -135,6 +135,7 @@ def test_the_binding_takes(errors, call):
     assert errors[call] == ""
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "turn",
     ["[0.0, 0.0, 0.0, 0.0]", "[0.0, 1.4, 0.0, 1.4]", "[0.7, 0.0, 0.7, 0.0]"],
@@ -206,6 +207,7 @@ def test_a_path_with_a_jump_threshold_raises_where_the_workspace_has_a_later_mov
     assert error in ran["error"]
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize(
     "call",
     [

@@ -575,6 +575,7 @@ rpy = arm.get_current_rpy()
     assert (abs(roll), pitch, yaw) == pytest.approx((math.pi, 0.0, 0.4), abs=0.01)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("axis", range(6))
 def test_a_target_is_shifted_along_an_axis(run, axis):
     ran = run(

@@ -295,6 +295,7 @@ code = arm.pick("cup", [far, near])
     assert "picking 'cup' failed" in ran.findings[0]
 
 
+@pytest.mark.slow
 def test_a_way_to_a_grasp_may_be_shorter_than_desired(run):
     """As there: an approach of 2 m that is followed for its least 5 cm or more is one."""
     ran = run(
@@ -329,6 +330,7 @@ code = arm.pick("cup", [near, low])
     assert "0.5 m are the least" in ran.findings[0]
 
 
+@pytest.mark.slow
 def test_without_grasps_one_from_behind_is_tried(run):
     """move_group's own: 0.2 m behind the object along x, and on from there."""
     ran = run(
@@ -510,6 +512,7 @@ pose.pose.position.z = Z
 """
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize(
     ("height", "attach", "done"),
     [

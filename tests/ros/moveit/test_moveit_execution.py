@@ -186,6 +186,7 @@ def test_a_waiting_goal_of_execute_trajectory_is_not_answered_and_may_start_too_
     assert any("starts with joint 'panda_joint1' at 0.0000" in text for text in ran.findings)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 def test_three_goals_of_execute_trajectory_are_executed_in_their_order(ros2, distro):
     ran = ros2(
@@ -200,6 +201,7 @@ def test_three_goals_of_execute_trajectory_are_executed_in_their_order(ros2, dis
     assert [command.goal[0] for command in ran.recording.commands] == [0.3, 0.6, 0.2]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 def test_a_goal_of_execute_trajectory_cannot_be_cancelled_and_the_run_says_so(ros2, distro):
     ran = ros2(
@@ -302,6 +304,7 @@ def test_the_event_stop_aborts_the_goals_of_moveit_2(ros2, distro, goal, code):
 # Goals of MoveIt 1
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("client", "first", "second"),
     [
@@ -392,6 +395,7 @@ def test_a_plan_does_not_end_what_execute_began(ros1):
     assert ends(ran)[-1] == "arrived"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("client", "goal", "answer"),
     [("move", "move_goal(0.5)", (4, -4)), ("execute", "swing()", (2, -7))],
@@ -415,7 +419,7 @@ def test_stop_fails_a_goal_of_move_group_and_preempts_one_of_execute_trajectory(
 # What is executed
 
 
-@pytest.mark.slow(but=3)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 @pytest.mark.parametrize(
     ("points", "answer"),
@@ -572,6 +576,7 @@ def test_a_second_pickup_ends_the_first_which_is_preempted(ros1):
     assert any("a new goal of pickup ended it" in text for text in ran.findings)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["noetic", "humble"])
 def test_a_plan_is_no_trajectory_where_the_controller_is_known_to_be_for_noetic(ros1, distro):
     ran = ros1(
@@ -588,6 +593,7 @@ def test_a_plan_is_no_trajectory_where_the_controller_is_known_to_be_for_noetic(
     assert ran["raised"] == expected
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["noetic", "humble"])
 def test_a_plan_is_shown_as_a_trajectory_unless_the_controller_is_known_to_be_for_noetic(
     ros1, distro

@@ -154,6 +154,7 @@ def test_the_tool_goes_at_a_share_of_the_scale_and_rests_after_the_last_message(
     assert printed(outcome, "codes") == [0]
 
 
+@pytest.mark.slow
 def test_the_scales_and_units_of_a_file_count(jogged):
     shares = "moveit_servo:\n  command_in_type: unitless\n  scale: {linear: 0.2, rotational: 0.5}\n"
     way, outcome = moved(jogged, "node.twist('z', -0.25, 'panda_link0')", shares)
@@ -176,6 +177,7 @@ def test_a_joint_is_jogged_and_the_others_rest(one_after_the_other):
     assert printed(one_after_the_other, "first_joint")[1] > 0.05
 
 
+@pytest.mark.slow
 def test_a_servo_that_is_stopped_moves_nothing_until_it_is_started(jogged):
     way, outcome = moved(
         jogged,

@@ -152,6 +152,7 @@ def test_messages_that_ask_for_no_motion_are_no_finding(run):
     assert not run(ROS_2 + "twist(0.0)\n", "humble").findings
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("distro", "program", "words"),
     [

@@ -153,7 +153,7 @@ def told(tmp_path: Path):
     return told
 
 
-@pytest.mark.slow(but=3)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("what", WRONG)
 def test_numbers_of_one_frame_given_as_of_another_are_told_of(told, what):
     (finding,) = told(COMMANDER + WRONG[what])
@@ -164,7 +164,7 @@ def test_numbers_of_one_frame_given_as_of_another_are_told_of(told, what):
     assert finding.kind in NOTES
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("what", RIGHT)
 def test_numbers_that_belong_to_their_frame_are_not(told, what):
     assert not told(COMMANDER + RIGHT[what])
@@ -192,7 +192,7 @@ def test_the_pose_of_another_link_of_the_same_body_is_told_of(told, steps):
     assert "from it on the same body" in finding.message
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "steps",
     [
@@ -230,7 +230,7 @@ def test_a_turn_that_is_none_is_told_of(told, steps, words):
     assert words in finding.message
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "steps",
     [
@@ -245,7 +245,7 @@ def test_a_whole_turn_is_not(told, steps):
     assert not told(COMMANDER + steps)
 
 
-@pytest.mark.slow(but=3)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("steps", "name"),
     [
@@ -263,7 +263,7 @@ def test_angles_in_degrees_are_told_of(told, steps, name):
     assert "(degrees?)" in finding.message
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "steps",
     [

@@ -123,7 +123,7 @@ def test_a_callback_that_falls_behind_a_stream_is_told_of(late, subscribe, line)
     assert finding.kind in NOTES
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "program",
     [

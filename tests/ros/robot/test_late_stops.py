@@ -116,6 +116,7 @@ def run(tmp_path: Path):
     return run
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("what", CELLS)
 def test_a_stop_after_the_end_of_a_motion_names_both_lines(run, what):
     (finding,), lines = run(what, "go()\nLATER\nstop()\n")

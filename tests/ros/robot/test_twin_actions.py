@@ -114,6 +114,7 @@ result = arm.get_result()
     assert "panda_joint4" in result["result"].error_string
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("tolerance", "code", "most"),
     [
@@ -302,7 +303,7 @@ rospy.sleep(4.0)
 }
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("how", "owners"),
     [

@@ -114,6 +114,7 @@ hand:
 """
 
 
+@pytest.mark.slow(but=12)
 @pytest.mark.parametrize("distro", ["noetic", "humble", "jazzy"])
 @pytest.mark.parametrize("kind", ["GripperCommand", "ParallelGripperCommand"])
 @pytest.mark.parametrize(

@@ -53,7 +53,7 @@ def traced(example):
     return traced
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
 def test_the_command_xacro_is_answered_however_it_is_started(traced, start):
     check = "assert '<robot' in text and 'name=\"cell\"' in text, text"
@@ -61,7 +61,7 @@ def test_the_command_xacro_is_answered_however_it_is_started(traced, start):
     assert (kind, reasons) == ("complete", []), said
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "lines",
     [
@@ -99,6 +99,7 @@ def test_another_robot_that_xacro_makes_is_a_reason(traced):
     ]
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_expanded_is_answered_with_the_robot_that_is_simulated(traced):
     broken = XACRO.replace("{}", '<xacro:include filename="$(find ur_description)/ur.xacro"/>')
     check = "assert 'panda_joint1' in text, text"

@@ -260,6 +260,7 @@ EXPECTED = {
 }
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize("ask", EXPECTED, ids=lambda ask: ask.__name__)
 def test_a_controller_sees_a_program_at_the_same_instant(run, scheduler, ask):
     """While another of its threads waits for time alone, which could pass meanwhile."""

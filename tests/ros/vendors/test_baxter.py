@@ -35,6 +35,7 @@ pose = limb.endpoint_pose()['position']
     assert set(ran.commands) == {"joint_command"}
 
 
+@pytest.mark.slow
 def test_velocities_last_for_the_timeout(run_on):
     ran = run_on(
         "baxter",
@@ -104,6 +105,7 @@ state = robot.state()
     assert ran.commands == []
 
 
+@pytest.mark.slow
 def test_the_head_pans_and_inverse_kinematics_answer_for_their_arm(run_on):
     ran = run_on(
         "baxter",

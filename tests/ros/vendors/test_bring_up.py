@@ -137,6 +137,7 @@ INACTIVE = [
 ]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(("robot", "cell", "name", "topic", "state"), INACTIVE)
 def test_a_message_to_a_controller_that_is_not_started_moves_nothing(
     run, robot, cell, name, topic, state
@@ -223,6 +224,7 @@ RUNNING = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("driver", RUNNING)
 def test_the_controllers_of_other_drivers_are_known(run, driver):
     robot, cell, active, held = RUNNING[driver]
@@ -424,6 +426,7 @@ def press(name):
 """
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("pressed", "expected"),
     [

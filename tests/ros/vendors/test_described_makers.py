@@ -113,6 +113,7 @@ result = ended.result().result
     assert ran.position("shoulder_pan_joint") == pytest.approx(0.4, abs=0.01)
 
 
+@pytest.mark.slow
 def test_sawyer_has_its_parameters_states_and_kinematics(run_on):
     ran = run_on(
         "sawyer",

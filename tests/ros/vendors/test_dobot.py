@@ -102,6 +102,7 @@ pin = call(DO, index=1, status=1)
         assert any(reported in each for each in ran.findings), reported
 
 
+@pytest.mark.slow
 def test_set_points_are_one_command_and_jogging_stops(run_on):
     ran = run_on(
         "cr5",

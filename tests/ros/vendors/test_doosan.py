@@ -100,6 +100,7 @@ grip = call(Robotiq2FOpen, 'gripper/robotiq_2f_open')
         assert any(reported in each for each in ran.findings), reported
 
 
+@pytest.mark.slow
 def test_circles_splines_spirals_and_sines_lead_where_they_should(run_on):
     ran = run_on(
         "m1013",

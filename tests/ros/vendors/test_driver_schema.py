@@ -77,6 +77,7 @@ JUNK = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_a_changed_description_is_read_or_reported_with_its_line(tmp_path_factory, data):

@@ -148,6 +148,7 @@ def test_arms_move_by_joints_along_lines_and_over_circles(run_dsr):
     assert str(ran["home"]) == "[0.000, 0.000, 90.000, 0.000, 90.000, 0.000]"
 
 
+@pytest.mark.slow
 def test_a_pick_switches_pins_and_does_not_wait_for_a_force_that_is_not_simulated(run_dsr):
     ran = run_dsr(PICK)
     assert (ran["mode"], ran["tool"], ran["tcp"]) == (1, "Tool Weight", "GripperDA_v1")

@@ -9,7 +9,7 @@ from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
 from tracerisk.twin.robots.robot_parts import Gripper
 
 WITH_GRIPPER = [name for name in robot_names() if load_robot(name).grippers]
-QUICK = [("panda", 1), ("panda", 2), ("gen3", 2), ("px100", 1)]
+QUICK = [("panda", 1), ("gen3", 2), ("px100", 1)]
 """One that opens by growing, one that closes by growing, one whose fingers have two signs."""
 
 NEARLY_CLOSED = 0.31

@@ -81,6 +81,7 @@ def test_the_pose_of_the_arm_is_that_of_the_frame_that_is_set(run_on, length):
     assert ran["after"][:11] == pytest.approx(ran["before"][:11], abs=1e-3)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "matrix", ["[0] * 16", "[2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]", "[1, 0] * 8"]
 )

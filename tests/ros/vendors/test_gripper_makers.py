@@ -31,6 +31,7 @@ ask(FIELD=255)
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("messages", "field"), [(TWO_FINGERS, "rPR"), (C_MODEL, "rPR"), (THREE_FINGERS, "rPRA")]
 )
@@ -129,6 +130,7 @@ rospy.sleep(2.2)
     assert ran.position("joint1") == pytest.approx(0.0, abs=0.02)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("names", "positions"),
     [

@@ -44,6 +44,7 @@ neutral = limb.joint_ordered_angles()
     assert ran.owners == ["work", "home"]
 
 
+@pytest.mark.slow
 def test_a_move_ends_where_its_test_says_so(run_on):
     ran = run_on(
         "sawyer",
@@ -137,6 +138,7 @@ cameras.set_callback('head_camera', print)
     assert ran.commands == []
 
 
+@pytest.mark.slow
 def test_a_stopped_robot_does_not_move_until_it_is_enabled(run_on):
     ran = run_on(
         "sawyer",

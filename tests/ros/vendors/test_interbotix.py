@@ -162,6 +162,7 @@ def work(bot):
     assert ran.commands == ["gripper_command", "gripper_command"]
 
 
+@pytest.mark.slow
 def test_waypoints_are_followed_and_the_times_of_their_profile_kept(run_on):
     ran = run_on(
         "wx250s",
@@ -284,6 +285,7 @@ good, clusters = InterbotixPointCloudInterface().get_cluster_positions(
     assert ran["clusters"][0]["position"] == pytest.approx([0.3, 0.0, 0.4])
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_model_that_is_not_the_simulated_robot_is_reported_of(run_on, ros):
     with pytest.raises(RuntimeError, match=r"has 6 joints, and arm model 'wx200' has 5: the robot"):
@@ -307,6 +309,7 @@ except InterbotixException as error:
     assert ran["told"] == "Tried to create an Interbotix global node but one already exists."
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("model", ["px100", "rx150", "vx300s", "wx250", "wx250s"])
 def test_the_librarys_screws_place_the_end_effector_where_the_twins_robot_has_it(run_on, model):
     ran = run_on("wx250s", f"from interbotix_xs_modules.mr_descriptions import {model} as arm\n")

@@ -116,7 +116,7 @@ def test_the_arm_goes_where_it_is_sent_in_the_time_of_its_profile(run_sdk, robot
     assert ends(found) == [("joint_group_command", "arrived"), ("joint_command", "arrived")]
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("opening", "closing"),
     [
@@ -145,6 +145,7 @@ def test_the_gripper_takes_a_pwm_or_the_distance_of_its_fingers(run_sdk, opening
     assert ends(found) == [("gripper_command", "arrived")] * 2
 
 
+@pytest.mark.slow
 def test_joints_in_a_mode_of_velocity_turn_until_they_are_stopped(run_sdk):
     found = run_sdk(
         "modes(cmd=4, mode='velocity', joint_name='waist')",

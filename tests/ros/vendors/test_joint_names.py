@@ -153,6 +153,7 @@ def test_one_name_moves_a_telescope_and_is_read_back(mast):
     assert "no joint 'rech'" in unknown["words"]
 
 
+@pytest.mark.slow
 def test_joint_states_that_command_know_the_names_too(mast):
     found = traced(mast, TOPIC)
     assert "error" not in found, found["error"]

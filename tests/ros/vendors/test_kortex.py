@@ -60,6 +60,7 @@ missing = refused(read, ReadActionRequest(input=ActionHandle(identifier=77)))
     assert "there is no action 77" in ran["missing"]
 
 
+@pytest.mark.slow
 def test_angles_are_degrees_and_a_duration_too_short_is_not_valid(run_on):
     ran = run_on(
         "gen3",
@@ -202,6 +203,7 @@ after = pose().output
     assert ran.commands == ["kortex_velocity", "kortex_action", "kortex_velocity"]
 
 
+@pytest.mark.slow
 def test_cartesian_trajectories_are_an_action_with_turns_in_radians(run_on):
     ran = run_on(
         "gen3",
@@ -249,6 +251,7 @@ found = rospy.has_param('/degrees_of_freedom')
     assert ran["found"] is False
 
 
+@pytest.mark.slow
 def test_actions_are_notified_of_once_a_program_has_asked_for_it(run_on):
     ran = run_on(
         "gen3",

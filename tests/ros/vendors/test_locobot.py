@@ -40,7 +40,7 @@ def test_the_name_in_full_goes_before_the_one_that_several_have(text, names):
     assert mentioned(text, {each.name: each for each in shipped_names()}) == names
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("ros", [1, 2])
 @pytest.mark.parametrize(
     "model", ["px100", pytest.param("wx200", marks=pytest.mark.slow), "wx250s"]
@@ -71,6 +71,7 @@ main()
     ]
 
 
+@pytest.mark.slow
 def test_parts_of_ros_1_are_there_once_used_unless_they_are_turned_off(run_on):
     ran = run_on(
         "locobot_wx200",

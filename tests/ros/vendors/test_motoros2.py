@@ -69,6 +69,7 @@ after = call(StartPointQueueMode, '/start_point_queue_mode').result_code.value
     assert (ran["stopped"], ran["after"]) == (True, 1)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("namespace", ["", "/yaskawa", "/r1"])
 def test_its_state_its_pins_and_its_queue_are_served_in_any_namespace(ran_on_gp8, namespace):
     ran = ran_on_gp8(

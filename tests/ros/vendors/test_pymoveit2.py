@@ -21,6 +21,7 @@ READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("option", ["", ", use_move_group_action=True"])
 def test_configurations_and_poses_are_reached(run_on, option):
     ran = run_on(
@@ -142,6 +143,7 @@ START = HEAD % "" + "node.create_rate(1.0).sleep()\n"
 END = "\nrclpy.shutdown()\n"
 
 
+@pytest.mark.slow
 def test_arm_and_gripper_in_turn_leave_the_node_with_its_executor(run_on):
     ran = run_on(
         "panda",
@@ -167,6 +169,7 @@ kept = node in executor.get_nodes()
     assert len(ran.commands) == 4
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("cancels", "status"), [(False, 4), (True, 6)])
 def test_a_motion_is_followed_by_its_state_and_its_future_and_can_be_cancelled(
     run_on, cancels, status
@@ -261,6 +264,7 @@ def test_a_program_without_an_executor_moves_nothing(run_on, capfd):
     assert "Is the node being spun by an executor" in capfd.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_callback_waits_for_a_motion_in_another_thread_of_the_pool(run_on):
     ran = run_on(
         "panda",
@@ -290,6 +294,7 @@ executor.spin()
     assert len(ran.commands) == 3
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("module", "on", "joints", "base"),
     [

@@ -160,7 +160,7 @@ send("sleep(0.1)", seconds=1.0)
     assert ran.position("shoulder_pan_joint") == pytest.approx(-1.08, abs=0.01)
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("lines", "turned"),
     [
@@ -181,6 +181,7 @@ def test_a_velocity_lasts_until_its_program_is_over(run_on, lines, turned):
     assert ran.findings == []
 
 
+@pytest.mark.slow
 def test_programs_of_one_velocity_are_one_stream(run_on):
     ran = run_on(
         "ur5e",

@@ -54,7 +54,7 @@ IN_WRONG_MODES = {
 }  # fmt: skip
 
 
-@pytest.mark.slow(but=4)
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("what", IN_WRONG_MODES)
 def test_what_is_asked_for_in_a_wrong_mode_is_answered_with_0_and_moves_nothing(run_on, what):
     head, mode, asked, right = IN_WRONG_MODES[what]
@@ -254,7 +254,7 @@ OFFSET = {
 }  # fmt: skip
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("ros", [1, 2])
 @pytest.mark.parametrize("length", [100.0, -50.0])
 def test_poses_are_of_the_tool_whose_offset_is_set(run_on, ros, length):

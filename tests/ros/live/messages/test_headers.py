@@ -47,6 +47,7 @@ def test_headers_are_made_with_their_parts_and_the_public_sums(real_ros, tmp_pat
     assert PUBLIC["QueryTrajectoryState"] in service
 
 
+@pytest.mark.slow
 def test_interfaces_of_moveit_come_with_the_messages_that_they_need(real_ros, tmp_path):
     del real_ros
     source, out = (

@@ -200,6 +200,7 @@ def test_velocities_are_reached_with_the_acceleration_of_the_driver(robot, rise)
     assert at_velocities(twin, {joint: 0.0}, None) is None
 
 
+@pytest.mark.slow
 def test_a_stream_of_short_trajectories_is_one_visit(ran):
     result = ran("""
 def stream():
@@ -369,6 +370,7 @@ rospy.Publisher("{topic}", type({message}), queue_size=1).publish({message})
     assert result.recording.commands == ()
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("topic", "message", "kind"),
     [
@@ -532,6 +534,7 @@ move()
 """
 
 
+@pytest.mark.slow
 def test_controllers_of_the_workspace_for_joints_that_the_robot_lacks(example):
     example.write("package.xml", "<package><name>cell</name></package>")
     example.write(

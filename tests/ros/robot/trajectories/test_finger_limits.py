@@ -28,7 +28,7 @@ rospy.sleep(2)
 """
 
 
-@pytest.mark.slow(but=3)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("sent", [BY_ACTION, BY_TOPIC], ids=["by action", "by topic"])
 @pytest.mark.parametrize(
     ("goal", "told"),

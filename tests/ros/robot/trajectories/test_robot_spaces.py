@@ -91,6 +91,7 @@ def test_the_arm_of_a_side_is_known_by_its_joints_or_its_own_name(joint, group):
         assert group_of_side(renamed, f"/{side}/goal") == group.format(side=side)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("sides", [("left", "right"), ("left", "left")])
 def test_one_arm_that_stands_for_two_is_an_assumption(tmp_path: Path, sides: tuple[str, ...]):
     script = tmp_path / "go.py"

@@ -58,6 +58,7 @@ def test_a_way_that_a_joint_cannot_follow_is_told_of(told, points, send):
     assert finding.kind in NOTES
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("send", [BY_ACTION, BY_TOPIC])
 @pytest.mark.parametrize("points", [[(2.0, 1.5)], [(0.5, 0.9)], [(0.04, 0.3)]])
 def test_one_that_it_can_or_that_a_stream_may_have_is_not(told, points, send):

@@ -137,6 +137,7 @@ configs = MoveItConfigsBuilder("panda").robot_description().to_moveit_configs()
     assert "panda.urdf.xacro cannot be expanded" in ran.findings[0]
 
 
+@pytest.mark.slow
 def test_parameters_of_a_package_are_gathered_file_by_file(run, package):
     ran = run(
         """

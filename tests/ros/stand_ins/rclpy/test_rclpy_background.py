@@ -322,6 +322,7 @@ def test_the_other_nodes_go_on_when_one_is_destroyed(run_ros2):
     assert run_ros2(main) == (True, True)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("first", "why"),
     [

@@ -62,6 +62,7 @@ def test_a_transition_that_the_state_does_not_have_is_an_error_and_changes_nothi
     assert run(use) == "unconfigured"
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("answer", "recovery", "state"),
     [

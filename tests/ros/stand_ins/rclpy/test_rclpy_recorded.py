@@ -41,6 +41,7 @@ def as_python_starts():
     signal.signal(signal.SIGTERM, before)
 
 
+@pytest.mark.slow(but=30)
 @pytest.mark.usefixtures("as_python_starts")
 @pytest.mark.parametrize("name", NAMES)
 def test_a_program_prints_what_it_prints_on_real_rclpy(name, run_ros2):

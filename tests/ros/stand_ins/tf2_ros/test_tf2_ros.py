@@ -102,6 +102,7 @@ assert looks < 1150, looks
 """)
 
 
+@pytest.mark.slow
 def test_a_few_tries_without_a_wait_do_not_wait_for_a_frame_that_comes_later(succeed):
     succeed("""
 broadcaster = tf2_ros.TransformBroadcaster()
