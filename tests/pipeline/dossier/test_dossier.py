@@ -553,6 +553,7 @@ def less_in_use(trace: dict) -> None:
                 exposure[key] *= 0.99
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("change", "why"),
     [
@@ -650,6 +651,7 @@ def test_a_trace_of_other_sources_is_refused(with_own_hardware, example_in, tmp_
     assert "the duration of the mission T" not in rows
 
 
+@pytest.mark.slow
 def test_the_guide_runs_the_controller_and_not_one_of_its_modules(example_in, quick, tmp_path):
     example = example_in(tmp_path)
     example.write("pyproject.toml", "")

@@ -120,6 +120,7 @@ def replaced_blob(here):
     here.git("replace", here.git("rev-parse", "HEAD:gripper.py").strip(), new)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "hide", [assume_unchanged, skip_worktree, clean_filter, line_ends, replaced_blob]
 )
@@ -238,6 +239,7 @@ def test_the_hardware_file_and_the_evidence_are_in_it_if_they_are_used(here):
     assert "tracerisk/common/hardware/robots/panda.yaml" not in paths
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize(
     ("changes", "settings", "kind"),
     [

@@ -163,6 +163,7 @@ def test_what_is_judged_is_what_a_run_to_the_end_shows_by_then(claimed):
     assert early.lost == ("first aborted",)
 
 
+@pytest.mark.slow
 def test_a_visit_that_is_not_over_decides_nothing(tmp_path):
     # All commands are of one visit: that the last one fails is known at the end alone.
     found = nominal(tmp_path, "only")
@@ -176,6 +177,7 @@ def test_a_visit_that_is_not_over_decides_nothing(tmp_path):
     assert judged.lost == ("only aborted",)
 
 
+@pytest.mark.slow
 def test_a_declared_mission_is_followed_to_its_end(tmp_path):
     scenario = "success:\n  - {joints: {panda_joint1: -0.4}, within: 0.02}\n"
     found = nominal(tmp_path, scenario=scenario)
@@ -203,6 +205,7 @@ def test_a_branch_ends_where_a_run_from_the_beginning_on_threads_does(both, faul
     check_equal(both.controller, both.settings, before, wanted, tmp_path)
 
 
+@pytest.mark.slow
 def test_an_arm_that_is_elsewhere_when_the_next_visit_begins_ends_its_run(tmp_path):
     found = nominal(tmp_path, "first(arm); rospy.sleep(1.0); second(arm); rospy.sleep(24.0); first")
     # While the arm rests nobody notices, and what follows succeeds.

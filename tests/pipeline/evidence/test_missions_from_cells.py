@@ -7,7 +7,7 @@ import re
 from itertools import accumulate, pairwise
 
 import pytest
-from scipy.stats import beta
+import scipy  # whose statistics, which take a second, are imported when they are used
 
 from tracerisk import api
 from tracerisk.common.campaign import CampaignOptions
@@ -118,7 +118,7 @@ def test_figures_and_places_are_in_every_form_that_programs_read(campaign):
 
     said = folder.run("evidence", "show.py", "--show", "--json").json
     assert said["fates"] == {fate: [cell.fate for cell in drawn].count(fate) for fate in FATES}
-    tail = beta(undetected + 1, len(drawn) - undetected)
+    tail = scipy.stats.beta(undetected + 1, len(drawn) - undetected)
     assert said["undetected"]["fraction"] == undetected / len(drawn)
     assert said["undetected"]["high"] == pytest.approx(tail.ppf(0.95), rel=1e-6)
 

@@ -10,6 +10,7 @@ from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.twin.robots.robot import load_robot
 
 
+@pytest.mark.slow(but=12)
 @pytest.mark.parametrize("name", [each for each in shipped_names() if each != GENERIC])
 def test_an_arm_without_its_gripper_and_sensors_but_encoders_is_described(name):
     elements = elements_of(load_robot(name), Settings())

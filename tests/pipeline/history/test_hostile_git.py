@@ -235,6 +235,7 @@ TRAPS = (
 )
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize("trap", TRAPS, ids=lambda trap: trap.__name__)
 def test_no_program_of_a_repository_runs(hostile, trap):
     trap(hostile)
@@ -280,6 +281,7 @@ def endless(path, kind):
         path.symlink_to("/dev/zero")
 
 
+@pytest.mark.slow(but=8)
 @pytest.mark.parametrize("kind", ["pipe", "device"])
 @pytest.mark.parametrize(
     "name",

@@ -351,7 +351,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.slow(but=5)
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(("text", "speed"), COMMANDS.values(), ids=COMMANDS)
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_command_of_a_readme_gives_a_launch_file_its_arguments(

@@ -14,7 +14,7 @@ LAUNCH = """\
 """
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("name", "default", "found", "is_told"),
     [

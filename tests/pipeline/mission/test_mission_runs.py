@@ -78,6 +78,7 @@ def test_a_name_that_does_not_exist_is_an_error(missing):
     assert "unknown object 'flor' of the run; did you mean 'floor'?" in outcome.err
 
 
+@pytest.mark.slow
 def test_a_tube_in_the_wrong_slot_misses_its_goal(example, pick_and_place):
     source = pick_and_place.replace(b"TUBES = 10\n", b"TUBES = 1\n")
     call = b"place_position(arm, number)"

@@ -180,6 +180,7 @@ def test_the_same_run_differs_in_nothing(plan):
     assert not compared(plan.changes[0], nominal, nominal).is_altered
 
 
+@pytest.mark.slow
 def test_what_is_declared_is_noticed(example):
     path = example.write("turning.py", TURNING)
     example.write("angles.py", ANGLES)

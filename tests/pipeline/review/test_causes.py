@@ -150,6 +150,7 @@ def turn(repository) -> RepositoryExample:
     return repository
 
 
+@pytest.mark.slow
 def test_every_output_of_a_run_that_begins_elsewhere(turn, tmp_path):
     starts = "the mission starts with both, no longer left"
     for form in ("text", "markdown", "json"):

@@ -161,6 +161,7 @@ def test_every_output_calls_two_missions_not_comparable(both, figures):
     )
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("words", [[], ["."], ["pick.py"]])
 def test_another_outcome_is_found_where_no_block_differs(both, words):
     repository = both(WHOLE, HALF, figures=("2e-07", "2e-07"))

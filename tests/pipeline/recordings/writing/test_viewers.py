@@ -119,6 +119,7 @@ def test_the_same_run_is_recorded_in_the_same_bytes(example):
     assert example.read("two.mcap") == example.read("one.mcap")
 
 
+@pytest.mark.slow
 def test_objects_are_where_the_twin_had_them(opened):
     samples = opened.samples
     for index, pose in enumerate(samples.poses):
