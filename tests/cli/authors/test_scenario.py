@@ -318,6 +318,7 @@ def test_the_exit_code_of_a_search_cut_short_is_that_of_a_run_with_its_scenario(
     assert ran.json["verdict"]["kind"] == "partial"
 
 
+@pytest.mark.slow
 def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, monkeypatch):
     from tracerisk import api
     from tracerisk.config import Settings
@@ -443,6 +444,7 @@ def test_a_stand_in_for_a_robot_of_which_the_workspace_has_the_srdf_alone(lifter
     assert {"mast", "boom", "jib"} <= set(ran.json["trace"]["active"])
 
 
+@pytest.mark.slow
 def test_a_topic_for_want_of_which_it_fails(example):
     example.write(
         "c.py",

@@ -90,6 +90,7 @@ rospy.spin()
 """
 
 
+@pytest.mark.slow
 def test_what_a_node_beside_the_controller_sends_is_not_counted(cell, quick):
     find = "from std_srvs.srv import Trigger", "rospy.wait_for_service('/find_part')"
     asked = (*STEPS[:-1], *find, "rospy.ServiceProxy('/find_part', Trigger)()", STEPS[-1])

@@ -241,6 +241,7 @@ def align(page, mode):
     page.execute_script("document.querySelector(arguments[0]).click()", selector)
 
 
+@pytest.mark.slow
 def test_one_cursor_moves_both_arms_in_step_and_in_plain_time(opened):
     # It begins at the first difference: there both are at rest, each in its own place.
     begun = opened.execute_script(STATE)

@@ -238,6 +238,7 @@ def test_one_that_is_broken_from_the_start_is_waited_for(watching, example, quic
     watched.figure()
 
 
+@pytest.mark.slow
 def test_a_module_that_is_used_is_watched_too(watching, example, quick):
     source = quick().replace("import os", "import moves, os", 1)
     example.write("a.py", source.replace("    act(arm)", "    moves.home(arm)\n    act(arm)"))

@@ -96,6 +96,7 @@ def test_nothing_is_tried_twice_and_the_bytes_stay(gathered):
     assert not list((folder.folder / ".tracerisk_cache").glob("evidence-*"))
 
 
+@pytest.mark.slow
 def test_an_edit_of_a_failure_is_noticed_by_all_and_tried_again(gathered, tmp_path, example_in):
     whole, _ = gathered
     folder = example_in(tmp_path / "edited")

@@ -247,6 +247,7 @@ def test_a_macro_reads_nothing_of_the_home(tmp_path, monkeypatch):
     assert b"SECRET" in expand_xacro(model, {}, limits=uncontained)
 
 
+@pytest.mark.slow
 @contained
 def test_a_contained_controller_runs_what_is_contained_itself(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)

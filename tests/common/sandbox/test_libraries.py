@@ -387,6 +387,7 @@ def test_libraries_do_the_same_contained_or_not(sixth, tmp_path, monkeypatch, ca
     assert contained == used(tmp_path, uses, "off", capfd)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     bool(support().missing) or not offers_own_network(), reason="needs a network of its own"
 )

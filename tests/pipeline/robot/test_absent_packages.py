@@ -38,7 +38,7 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
     return choose_launched_robot(controller, Settings(), launch).robot
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("package", "call", "joint", "shipped", "doubt"),
     [
@@ -174,6 +174,7 @@ def test_the_groups_of_an_srdf_are_those_of_the_shipped_robot_in_its_place(tmp_p
     assert robot.named_states["lifter"]["ready"]["b_elbow_joint"] == 0.3
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("prefix", ["b_", ""])
 def test_an_srdf_without_a_description_names_the_shipped_robot_by_its_joints(tmp_path, prefix):
     listed = "".join(f'<joint name="{prefix}{name}_joint"/>' for name in JOINTS)
@@ -268,6 +269,7 @@ def test_a_whole_robot_of_an_absent_package_is_the_shipped_one_that_its_file_nam
     compile_model(robot)
 
 
+@pytest.mark.slow
 def test_a_whole_robot_hangs_where_a_joint_of_the_description_puts_it(tmp_path):
     body = (
         '<xacro:include filename="$(find ur_description)/urdf/ur5e.urdf.xacro"/>'
@@ -351,7 +353,7 @@ def test_an_srdf_goes_with_a_urdf_whose_gripper_is_of_an_absent_package(tmp_path
     assert "macro 'robotiq_gripper'" in " ".join(robot.assumed_figures)
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("command", "shipped"),
     [

@@ -386,6 +386,7 @@ def test_a_prefix_before_all_joints_of_the_workspaces_robot_is_its_prefix(tmp_pa
     assert "all with the prefix 'cell2_'" in robot.chosen_by
 
 
+@pytest.mark.slow
 def test_programs_of_one_folder_drive_one_robot(tmp_path):
     described(tmp_path)
     described(tmp_path, "another_description", "other_")
@@ -589,6 +590,7 @@ def test_an_arm_of_other_joints_is_not_that_of_the_workspace(tmp_path, names):
     assert chosen(script).robot.name == "generic"
 
 
+@pytest.mark.slow
 def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
     described(tmp_path)
     # The names are made in the run: it shows them.
@@ -604,7 +606,7 @@ def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
     assert moved == set(joints(""))
 
 
-@pytest.mark.slow(but=1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "others",
     [pytest.param(("long",), marks=pytest.mark.slow), ("copy",), ("long", "copy")],

@@ -50,6 +50,7 @@ def arm_of(name: str, joints: int) -> str:
     return f'<robot name="{name}"><link name="link0"/>{parts}</robot>'
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("args", "robot"),
     [

@@ -92,6 +92,7 @@ def test_a_controller_drives_an_mjcf_without_actuators(example):
     assert b"electric_motor" in example.read("controller.py")
 
 
+@pytest.mark.slow
 def test_hardware_names_the_motors_as_the_model_does(example):
     example.write("pyproject.toml", "")
     example.write("controller.py", CONTROLLER)

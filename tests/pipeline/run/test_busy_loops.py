@@ -75,6 +75,7 @@ def test_what_was_late_from_the_start_is_reported_once(trace):
     assert "comes 5.000 s before the present" in found[0]["message"]
 
 
+@pytest.mark.slow
 def test_messages_that_follow_a_wait_or_are_few_take_no_time(trace):
     data, _ = trace(
         "topic.publish(message(0.1, 1.0))\nrospy.sleep(2)\nbegan = rospy.get_time()\n"
@@ -85,6 +86,7 @@ def test_messages_that_follow_a_wait_or_are_few_take_no_time(trace):
     assert data["end"]["cause"] == "ended"
 
 
+@pytest.mark.slow
 def test_a_goal_that_is_sent_again_and_again_is_reached_once(trace):
     data, outcome = trace(
         "while not rospy.is_shutdown():\n    same = message(0.3, 1.0)\n"

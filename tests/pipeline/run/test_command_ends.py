@@ -207,6 +207,7 @@ def excused(tmp_path_factory, example_in):
     return outcome.json["trace"]
 
 
+@pytest.mark.slow
 def test_what_leads_on_was_there_or_was_stopped_is_no_reason(excused):
     assert reasons(excused) == []
     left = ends(excused)[1:]
@@ -244,6 +245,7 @@ def test_a_velocity_that_nobody_takes_back_is_left_on_to_the_limit(run):
     assert trace["verdict"]["kind"] == "faulted"
 
 
+@pytest.mark.slow
 def test_a_velocity_that_is_on_when_the_controller_waits_for_ever_is_left_on(run):
     trace = run(VELOCITY + "jog(-0.1, 3)\nrospy.spin()\n", "--duration", "20", robot="ur5e")
     assert ends(trace) == ["left_on"]
@@ -252,6 +254,7 @@ def test_a_velocity_that_is_on_when_the_controller_waits_for_ever_is_left_on(run
     assert "up to the end of the run" in words
 
 
+@pytest.mark.slow
 def test_a_single_message_of_one_joints_velocity_is_left_on(run):
     trace = run(
         VELOCITY + "one = rospy.Publisher('/wrist_1_joint_velocity_controller/command', Float64, "

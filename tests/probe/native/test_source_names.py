@@ -20,7 +20,7 @@ WITHOUT_COMMAND = {"wait_for"}
 """Functions that no run of a node enters."""
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", NODES)
 @pytest.mark.parametrize(
     ("compiler", "flags"),
@@ -60,7 +60,7 @@ def test_each_function_is_recorded_by_its_name_in_the_source(nodes, name, compil
     assert {(file, function) for file, _, function in recorded} >= expected
 
 
-@pytest.mark.slow(but=3)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", NODES)
 def test_names_of_symbols_alone_are_those_of_the_source(nodes, name, monkeypatch):
     """Without lines, and without binutils."""

@@ -335,6 +335,7 @@ def test_keys_turn_the_view_and_move_the_time(page, shown_run):
     assert not page.execute_script("return tracerisk.player.isPlaying")
 
 
+@pytest.mark.slow
 def test_dragging_turns_the_view_and_a_click_chooses_a_component(page):
     from selenium.webdriver import ActionChains
 
@@ -366,6 +367,7 @@ def test_a_mark_is_where_two_bodies_are_nearest(page):
     assert point[1] == pytest.approx([0.1, 0.1, 0.55], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_lost_picture_comes_back(page):
     go_to(page, 2.0)
     found = page.execute_async_script(
@@ -503,6 +505,7 @@ def test_the_picture_holds_all_that_the_arm_reaches_and_little_more(page, shown_
     assert np.ptp(seen, axis=0).max() > 0.95
 
 
+@pytest.mark.slow
 def test_several_arms_play_on_one_page(page):
     """Each has a stage and a camera of its own, and follows the one clock."""
     drawn = page.execute_async_script(
@@ -663,6 +666,7 @@ def test_every_visit_is_in_the_table(page, shown_run):
 # Other pages, and this one without what it needs
 
 
+@pytest.mark.slow
 def test_a_touch_that_nobody_wants_has_a_mark_with_its_force(open_page, shown_run, page_of):
     first, *rest = shown_run.trace.visits
     touch = Contact("panda_link5", "table", 0.5, 1.0, 42.0, expected=False)
@@ -712,6 +716,7 @@ def test_a_mark_leads_to_its_instant(shown_run, page_of, chromium):
     assert not found, axe.report(found)
 
 
+@pytest.mark.slow
 def test_of_very_many_visits_those_that_can_be_seen_are_drawn_and_each_can_be_reached(
     chromium, shown_run, page_of
 ):

@@ -209,6 +209,7 @@ def test_a_branch_that_does_harm_loses_only_itself(tmp_path, monkeypatch):
     assert not (tmp_path / "notes.txt").exists()
 
 
+@pytest.mark.slow
 def test_branches_that_take_little_each_do_not_end_their_run_together(tmp_path):
     hoard = "global held; held = b'x' * 500_000_000; ctypes.CDLL(None).sleep(6)"
     source = ODD.replace("BEFORE", "pass").replace("    while True:\n        pass", f"    {hoard}")
@@ -277,6 +278,7 @@ def test_without_greenlets_every_run_is_from_the_beginning(plain, monkeypatch):
     assert result.done is not None
 
 
+@pytest.mark.slow
 def test_a_run_that_is_another_on_greenlets_is_not_used(tmp_path):
     controller, settings, nominal = odd(
         tmp_path, "time.sleep(float(len(sys.modules.get('greenlet', '')  and 'ab')))"

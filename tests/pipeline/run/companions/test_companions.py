@@ -194,6 +194,7 @@ def test_a_companion_that_fails_is_reported_and_does_not_end_the_run(example):
     ]
 
 
+@pytest.mark.slow
 def test_a_server_is_asked_by_the_client_of_its_workspace(example):
     example.write("package.xml", PACKAGE.format("cell"))
     example.write("cell/server.py", SERVER)
@@ -299,6 +300,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_what_a_sibling_provides_is_not_drafted_for_a_node_that_has_to_be_brought_up(example):
     example.write("package.xml", PACKAGE.format("cell"))
     example.write("scripts/tender.py", TENDER)
