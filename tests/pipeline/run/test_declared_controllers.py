@@ -170,6 +170,7 @@ print("yielding", before, done.ok, yielding())
 """
 
 
+@pytest.mark.slow
 def test_a_mode_that_files_declare_without_joints_is_switched_on(example):
     claw(example)
     example.write("config/controllers.yaml", MODES)

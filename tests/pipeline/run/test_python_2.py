@@ -90,6 +90,7 @@ def test_how_it_is_cut_into_functions_changes_no_figure(cell):
     assert cut["active"] == whole["active"]
 
 
+@pytest.mark.slow
 def test_it_is_not_mutated(cell):
     ran = cell.run("mutate", "c.py", "--robot", "panda")
     assert ran.code == 2

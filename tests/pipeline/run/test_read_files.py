@@ -92,6 +92,7 @@ _BESIDE = {
 }
 
 
+@pytest.mark.slow
 def test_contained_or_not_it_has_the_same_inputs_and_no_neighbour_is_one(example):
     for name, text in _BESIDE.items():
         example.write(name, text)

@@ -104,6 +104,7 @@ def test_poses_in_turn_from_one_place_are_one_cycle_as_when_written_out(run):
     assert risk(in_turn) == pytest.approx(risk(written_out), rel=0.01)
 
 
+@pytest.mark.slow
 def test_poses_that_never_come_again_end_after_sixty_as_ten_cycles(run):
     body = "import random\nwhile True:\n    go_to(random.uniform(-1, 1))\n    arm.stop()\n"
     data = run(POSES + body)
@@ -343,6 +344,7 @@ def send(turn):
 RATE = "rate = rospy.Rate(1)\n"
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("body", "cause"),
     [

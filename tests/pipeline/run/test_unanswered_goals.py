@@ -72,6 +72,7 @@ def test_goals_that_are_answered_are_no_reason(run):
     assert run(SERVER)["verdict"]["kind"] == "complete"
 
 
+@pytest.mark.slow
 def test_a_node_that_left_its_executor_takes_no_further_goal(run):
     body = "        rclpy.spin_until_future_complete(self, future)\n"
     start = SERVER.index("        while not future")
