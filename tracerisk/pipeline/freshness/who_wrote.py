@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.sources.renames import FollowedSource, followed_sources
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import stale_reasons, values_reasons
@@ -20,7 +21,6 @@ from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
-    from tracerisk.adder.merge.authors import Evidence
     from tracerisk.adder.merge.bases import SourceEvidence
 
 
@@ -45,7 +45,6 @@ def evidence_for(
     @cache
     def of_file(file: str) -> Evidence:
         # Imported here: of most blocks nobody has to ask git.
-        from tracerisk.adder.merge.authors import Evidence
         from tracerisk.pipeline.history.kept_by_git import kept_by_git
 
         kept = kept_by_git(controller.root.resolve(), file)

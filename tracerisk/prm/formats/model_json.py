@@ -8,6 +8,7 @@ from typing import Any, cast, get_args
 
 from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
 from tracerisk.prm.hybrid.elements import Fate, FateKind, FunctionState, NextStep, Parameter
@@ -67,8 +68,6 @@ def model_schema() -> dict[str, Any]:
 def _parameter_to_json(parameter: Parameter) -> dict[str, Any]:
     written: dict[str, Any] = {"name": parameter.name, "theta": parameter.theta}
     if parameter.distribution is not None:
-        from tracerisk.prm.formats.distribution_json import distribution_to_json
-
         written["distribution"] = distribution_to_json(parameter.distribution)
     return written
 
@@ -156,8 +155,6 @@ def _parameter(element: Element) -> Parameter:
     theta = fields["theta"].probability()
     distribution = None
     if "distribution" in fields:
-        from tracerisk.prm.formats.distribution_json import read_distribution
-
         distribution = read_distribution(fields["distribution"])
     return Parameter(name, theta, distribution, component, share)
 

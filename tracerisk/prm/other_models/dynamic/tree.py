@@ -10,6 +10,7 @@ from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.display import AsGraph
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.numbers.quantities import check_mission_time
+from tracerisk.prm.other_models.dynamic.building import tree_parts
 from tracerisk.prm.other_models.dynamic.elements import (
     Dependency,
     DynamicEvent,
@@ -19,6 +20,7 @@ from tracerisk.prm.other_models.dynamic.elements import (
 from tracerisk.prm.other_models.dynamic.group_model import DynamicGroup
 from tracerisk.prm.other_models.dynamic.groups import find_groups
 from tracerisk.prm.other_models.dynamic.layout import AnyGate
+from tracerisk.prm.other_models.dynamic.solution import DynamicSolution
 from tracerisk.prm.trees.events import BasicEvent, FailureModel
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, check_gate
@@ -77,8 +79,6 @@ class DynamicTree(AsGraph):
         dormancy too.
         Raises ModelError, naming the element, when they make no tree.
         """
-        from tracerisk.prm.other_models.dynamic.building import tree_parts
-
         return cls(top, *tree_parts(gates, events))
 
     @property
@@ -120,8 +120,6 @@ class DynamicTree(AsGraph):
 
         Raises as `probability` does.
         """
-        from tracerisk.prm.other_models.dynamic.solution import DynamicSolution
-
         return DynamicSolution(self, mission_time_h, self.probability(mission_time_h))
 
     def probability(self, mission_time_h: float) -> Probability:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from tracerisk.prm.compiled import library
+from tracerisk.prm.trees.bdd import families as sets
+from tracerisk.prm.trees.bdd import force, kernel, sweeps, thinning
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -72,9 +74,6 @@ def fastest_loops() -> Loops:
 @cache
 def plain_loops() -> Loops:
     """Return the loops as Python."""
-    from tracerisk.prm.trees.bdd import families as sets
-    from tracerisk.prm.trees.bdd import force, kernel, sweeps, thinning
-
     return Loops(
         kernel.build,
         kernel.extract,
