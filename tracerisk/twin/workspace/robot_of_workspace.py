@@ -19,8 +19,6 @@ from tracerisk.twin.robots.known_arms import (
 from tracerisk.twin.robots.names_in_source import (
     LaunchedDescription,
     Spoken,
-    words_of_one,
-    words_shared,
 )
 from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
 from tracerisk.twin.robots.robot import Robot
@@ -32,9 +30,9 @@ from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceR
 from tracerisk.twin.workspace.description_files import (
     DescriptionFile,
     description_files,
-    distance,
     read_description,
 )
+from tracerisk.twin.workspace.description_ranks import UNNAMED, DescriptionRanks
 from tracerisk.twin.workspace.description_texts import DescriptionTexts
 from tracerisk.twin.workspace.srdf_pairing import (
     UrdfChoice,
@@ -44,10 +42,6 @@ from tracerisk.twin.workspace.srdf_pairing import (
     shipped_with_srdf,
 )
 from tracerisk.twin.workspace.taken_description import Taken, among_rivals, doubted
-
-_TESTS = frozenset({"test", "tests"})
-_RANKS = {"controller": 0, "package": 1, "named": 2}
-_UNNAMED = 3  # the rank of a file that no launch file near the controller names
 
 
 def find_workspace_robots(
@@ -81,10 +75,6 @@ class _Search:
     ) -> None:
         self._packages = packages
         self._spoken = spoken
-        self._named = [packages[name].resolve() for name in spoken.packages if name in packages]
-        self._script = script.resolve()
-        self._srdf_names: set[str] = set()
-        self._variants: frozenset[str] = frozenset()
         self._skipped: list[str] = []
         self._unreadable: list[str] = []
         self._launched: dict[Path, LaunchedDescription] = {}
@@ -96,8 +86,15 @@ class _Search:
         known = {file.path for file in self._files}
         launched = (read_description(path, roots) for path in self._launched if path not in known)
         self._files += [file for file in launched if file is not None]
-        self._included = frozenset[str]().union(*(file.included for file in self._files))
         self._urdf_files = [file for file in self._files if file.is_robot and not file.is_srdf]
+        self._ranks = DescriptionRanks(
+            spoken,
+            script.resolve(),
+            [packages[name].resolve() for name in spoken.packages if name in packages],
+            self._launched,
+            frozenset[str]().union(*(file.included for file in self._files)),
+            self._urdf_files,
+        )
 
     def run(self) -> WorkspaceRobots:
         described_robots = [taken for taken in (self._from_srdf(),) if taken is not None]
@@ -122,7 +119,7 @@ class _Search:
         read = tuple(dict.fromkeys([*(file.path for file in found.files), *files]))
         if found.files[0].is_srdf:
             robot, read = self._limited(robot, found.files[0], read)
-        near = min(found.files, key=self._launched_as)
+        near = min(found.files, key=self._ranks.launched_as)
         launched = self._launched.get(near.path)
         return DescribedRobot(
             robot=robot,
@@ -131,8 +128,8 @@ class _Search:
             files=read,
             launched_by=None if launched is None else launched.by,
             launch_file="" if launched is None else launched.file,
-            is_near=any(map(self._is_in_named, found.files)),
-            is_called=any(map(self._is_named, found.files)),
+            is_near=any(map(self._ranks.is_in_named, found.files)),
+            is_called=any(map(self._ranks.is_named, found.files)),
             is_only=found.is_only,
             srdf=found.srdf,
             like=found.like,
@@ -155,23 +152,24 @@ class _Search:
     def _from_srdf(self) -> Taken | None:
         files = [file for file in self._files if file.is_srdf]
         read: list[tuple[DescriptionFile, Srdf]] = []
-        for file in sorted(files, key=self._rank):
+        for file in sorted(files, key=self._ranks.of_urdf):
             try:
-                text = self._texts.of(file, is_named=self._is_first(file))
+                text = self._texts.of(file, is_named=self._ranks.is_first(file))
                 read.append((file, read_srdf(text, file.shown)))
             except RobotError as error:
-                self._skip(file, error.message, is_meant=len(files) == 1 or self._is_meant(file))
-        self._srdf_names = {srdf.name for _, srdf in read}
-        self._variants = words_of_one(self._srdf_names)
-        ranked = sorted(read, key=lambda pair: self._srdf_rank(*pair))
-        only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
+                self._skip(
+                    file, error.message, is_meant=len(files) == 1 or self._ranks.is_meant(file)
+                )
+        self._ranks.know_srdfs({srdf.name for _, srdf in read})
+        ranked = sorted(read, key=lambda pair: self._ranks.of_srdf(*pair))
+        only = len({srdf.name for file, srdf in read if not self._ranks.is_of_tests(file)}) == 1
         for place, (file, srdf) in enumerate(ranked):
             speaks = sorted(self._spoken.exactly(srdf.words))
-            starts = self._launched_as(file) == 0
+            starts = self._ranks.launched_as(file) == 0
             # Each arm's group may be called so: of what is there for tests, a part must be named.
-            is_of_tests = self._is_of_tests(file)
+            is_of_tests = self._ranks.is_of_tests(file)
             speaks_of_groups = {group.name for group in srdf.groups}.issuperset(speaks)
-            if is_of_tests and speaks_of_groups and not self._is_first(file):
+            if is_of_tests and speaks_of_groups and not self._ranks.is_first(file):
                 speaks = []
             if not speaks and not starts and (not only or is_of_tests):
                 self._skipped.append(f"{file.shown}: the controller names nothing of it")
@@ -201,10 +199,10 @@ class _Search:
         self, taken: tuple[DescriptionFile, Srdf], others: Sequence[tuple[DescriptionFile, Srdf]]
     ) -> Iterator[str]:
         """Yield the SRDF files of other robots that only their names put behind the one taken."""
-        rank = self._srdf_rank(*taken)[:-1]
+        rank = self._ranks.of_srdf(*taken)[:-1]
         for file, srdf in others:
-            is_other = srdf.name != taken[1].name and not self._is_of_tests(file)
-            if is_other and self._srdf_rank(file, srdf)[:-1] == rank:
+            is_other = srdf.name != taken[1].name and not self._ranks.is_of_tests(file)
+            if is_other and self._ranks.of_srdf(file, srdf)[:-1] == rank:
                 yield file.shown
 
     def _absent(self, srdf: DescriptionFile) -> str:
@@ -219,29 +217,29 @@ class _Search:
         noted = setup_assistant(file.path)
         needed = needed_packages(file.path, self._packages)
         choice = UrdfChoice(file, srdf, noted, self._packages, needed)
-        others = self._srdf_names - {srdf.name}
+        others = self._ranks.srdf_names - {srdf.name}
         ranked = sorted(
             self._urdf_files,
             key=lambda urdf: (
-                self._launched_as(urdf) != 0,
+                self._ranks.launched_as(urdf) != 0,
                 not choice.is_noted(urdf),
                 bool({urdf.robot_name, urdf.stem} & others),
-                self._launched_as(urdf),
+                self._ranks.launched_as(urdf),
                 *choice.rank(urdf),
             ),
         )
         broken: list[str] = []
         for urdf in ranked:
-            is_near = self._launched_as(urdf) != _UNNAMED or choice.is_near(urdf)
-            if not is_near and (self._is_part(urdf) or not choice.is_needed(urdf)):
+            is_near = self._ranks.launched_as(urdf) != UNNAMED or choice.is_near(urdf)
+            if not is_near and (self._ranks.is_part(urdf) or not choice.is_needed(urdf)):
                 continue
             try:
-                is_named = self._is_first(urdf) or choice.is_named(urdf)
+                is_named = self._ranks.is_first(urdf) or choice.is_named(urdf)
                 text = self._texts.of(urdf, choice.arguments(urdf), is_named=is_named)
                 robot = read_urdf(text, urdf.shown, srdf=srdf)
             except RobotError as error:
                 # Another arm of the same joints may stand elsewhere, but it is not this one.
-                self._skip(urdf, error.message, is_meant=self._launched_as(urdf) == 0)
+                self._skip(urdf, error.message, is_meant=self._ranks.launched_as(urdf) == 0)
                 broken += [urdf.shown] if choice.is_named(urdf) else []
                 continue
             if has_parts_of(robot, srdf, lacks_parts=self._texts.is_without_parts(urdf)):
@@ -255,24 +253,28 @@ class _Search:
         return None
 
     def _from_urdf(self) -> Taken | None:
-        names_of = {file.robot_name for file in self._urdf_files if not self._is_of_tests(file)}
+        names_of = {
+            file.robot_name for file in self._urdf_files if not self._ranks.is_of_tests(file)
+        }
         best: tuple[tuple[bool, int, int, bool, int], Taken] | None = None
-        for file in sorted(self._urdf_files, key=self._rank):
-            starts = self._launched_as(file) == 0
-            only = len(names_of) == 1 and not self._is_of_tests(file)
-            if not only and not starts and not self._is_meant(file):
+        for file in sorted(self._urdf_files, key=self._ranks.of_urdf):
+            starts = self._ranks.launched_as(file) == 0
+            only = len(names_of) == 1 and not self._ranks.is_of_tests(file)
+            if not only and not starts and not self._ranks.is_meant(file):
                 continue
             try:
-                text = self._texts.of(file, is_named=self._is_first(file))
+                text = self._texts.of(file, is_named=self._ranks.is_first(file))
             except RobotError as error:
-                self._skip(file, error.message, is_meant=not self._is_part(file))
+                self._skip(file, error.message, is_meant=not self._ranks.is_part(file))
                 continue
             try:
                 robot = read_urdf(text, file.shown)
                 prefix, left_out = self._prefixes_of(robot)
             except RobotError as error:
                 is_meant = starts or bool(self._spoken.among(file.words))
-                is_whole = not self._is_part(file) and not isinstance(error, NoWholeRobotError)
+                is_whole = not self._ranks.is_part(file) and not isinstance(
+                    error, NoWholeRobotError
+                )
                 is_meant = is_meant and is_whole
                 self._skip(file, error.message, is_meant=is_meant)
                 continue
@@ -281,10 +283,10 @@ class _Search:
             named = {one.name.removeprefix(left_out) for one in robot.joints}
             of_joints = self._spoken.among(named)
             speaks = of_joints | self._spoken.among(set(robot.link_names))
-            if not speaks and not only and not starts and not self._is_named(file):
+            if not speaks and not only and not starts and not self._ranks.is_named(file):
                 continue
             own = len(self._spoken.exactly_own(named))
-            weight = (starts, own, len(of_joints), self._is_named(file), len(speaks))
+            weight = (starts, own, len(of_joints), self._ranks.is_named(file), len(speaks))
             if best is None or weight > best[0]:
                 why = f"names {', '.join(sorted(speaks)[:4])}" if speaks else "by its name"
                 if starts and not speaks:
@@ -302,8 +304,8 @@ class _Search:
             origin = f"the controller names its joints without the prefix '{taken.left_out}'"
             completed = doubted(without_prefix(completed, taken.left_out), origin)
         else:
-            equal = self._rank(taken.files[0])[:-1]
-            others = [file for file in self._urdf_files if self._rank(file)[:-1] == equal]
+            equal = self._ranks.of_urdf(taken.files[0])[:-1]
+            others = [file for file in self._urdf_files if self._ranks.of_urdf(file)[:-1] == equal]
             completed = among_rivals(completed, self._alike(taken.robot, others))
         origin = f"{taken.files[0].shown} in the workspace ({taken.reason})"
         return replace(taken, robot=completed, reason=origin)
@@ -328,83 +330,7 @@ class _Search:
         prefix = prefix_before(names, self._spoken.words)
         return prefix, "" if prefix else prefix_left_out(names, self._spoken.joints)
 
-    def _launched_as(self, file: DescriptionFile) -> int:
-        """Return 0 for what the controller's launch file names, more for those less near to it."""
-        launched = self._launched.get(file.path)
-        return _UNNAMED if launched is None else _RANKS.get(launched.by, _UNNAMED)
-
-    def _is_meant(self, file: DescriptionFile) -> bool:
-        """Return whether a file may describe the robot of which the controller speaks.
-
-        Before macros are expanded that is seen from names in its text, its own name, and a package
-        that the controller, its launch file or its manifest names.
-        """
-        in_named = bool(file.robot_name) and self._is_in_named(file)
-        return in_named or self._is_first(file) or bool(self._spoken.among(file.words))
-
-    def _is_part(self, file: DescriptionFile) -> bool:
-        """Return whether another file includes this one, which is then no whole robot."""
-        return file.path.name in self._included and self._launched_as(file) == _UNNAMED
-
-    def _is_in_named(self, file: DescriptionFile) -> bool:
-        return any(file.path.resolve().is_relative_to(folder) for folder in self._named)
-
-    def _is_of_tests(self, file: DescriptionFile) -> bool:
-        """Return whether a file belongs to tests of which the script is none."""
-        return any(
-            folder.name in _TESTS and not self._script.is_relative_to(folder)
-            for folder in file.path.resolve().parents
-        )
-
-    def _is_named(self, file: DescriptionFile) -> bool:
-        return bool({file.robot_name, file.stem} & self._spoken.words)
-
-    def _is_first(self, file: DescriptionFile) -> bool:
-        """Return whether a launch file or the controller names a file or its robot."""
-        return self._launched_as(file) != _UNNAMED or self._is_named(file)
-
-    def _srdf_rank(
-        self, file: DescriptionFile, srdf: Srdf
-    ) -> tuple[bool, bool, int, int, int, int, int, bool, bool, int, bool, int, str]:
-        is_other, is_folders_other = self._spoken.other_model(srdf.name, self._srdf_names)
-        own = self._spoken.exactly_own(srdf.words)
-        speaks = self._spoken.exactly(srdf.words)
-        loud = {group.name for group in srdf.groups} & speaks
-        states = {name for group in loud for name in srdf.states.get(group, {})}
-        return (
-            self._launched_as(file) != 0,
-            is_other,
-            -len(own),
-            -len(loud),
-            -len(states.intersection(self._spoken.strings)),
-            -len(speaks),
-            -len(words_shared(srdf.name, self._script.stem)),
-            not self._spoken.asks_for(self._variants & {*srdf.name.split("_")}),
-            is_folders_other,
-            self._launched_as(file),
-            not {srdf.name, file.stem} & self._spoken.words,
-            distance(self._script, file.path),
-            file.shown,
-        )
-
-    def _rank(
-        self, file: DescriptionFile
-    ) -> tuple[bool, bool, bool, int, bool, bool, int, bool, int, str]:
-        names = {one.robot_name for one in self._urdf_files}
-        return (
-            self._launched_as(file) != 0,
-            not self._is_named(file),
-            any(self._spoken.other_model(file.robot_name, names)),
-            self._launched_as(file),
-            not self._is_in_named(file),
-            self._is_part(file),
-            -len(self._spoken.exactly(file.words)),
-            file.path.name.endswith(".xacro"),
-            distance(self._script, file.path),
-            file.shown,
-        )
-
     def _skip(self, file: DescriptionFile, reason: str, *, is_meant: bool = False) -> None:
         self._skipped.append(f"{file.shown}: {reason}")
-        if is_meant and not self._is_of_tests(file):
+        if is_meant and not self._ranks.is_of_tests(file):
             self._unreadable.append(self._skipped[-1])
