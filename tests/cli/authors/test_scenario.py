@@ -339,6 +339,7 @@ def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, mo
     assert found.trace.is_usable
 
 
+@pytest.mark.slow
 def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):
     from tracerisk import api
     from tracerisk.config import Settings

@@ -268,6 +268,7 @@ def test_one_cursor_moves_both_arms_in_step_and_in_plain_time(opened):
     assert opened.execute_script(STATE)["clocks"] == pytest.approx([before, now], abs=0.01)
 
 
+@pytest.mark.slow
 def test_keys_and_marks_go_from_difference_to_difference(opened):
     opened.execute_script("tracerisk.bothRuns.cursor.set(0, 'test')")
     canvas = opened.find_element("id", "side-now")

@@ -100,7 +100,6 @@ def in_git(repository, before, after):
     return repository
 
 
-@pytest.mark.slow
 def test_with_its_frame_the_run_is_partial_by_the_handler_that_never_ran(ran):
     outcome = ran[0]["good"]
     assert outcome.code == 0, outcome.err

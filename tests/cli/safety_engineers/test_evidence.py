@@ -290,6 +290,7 @@ def test_the_table_is_written_as_csv_and_markdown(gathered):
     assert "- over within 100 s" in folder.read("t.md").decode()
 
 
+@pytest.mark.slow
 def test_failures_that_end_the_mission_are_replayed(gathered, tmp_path, example_in):
     whole, _ = gathered
     folder = example_in(tmp_path / "replays")

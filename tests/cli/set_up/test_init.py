@@ -337,6 +337,7 @@ def test_settings_that_are_there_lack_the_hardware_of_each_robot(cell):
     assert "hardware_panda.yaml" not in outcome.out.partition("Next:")[2]
 
 
+@pytest.mark.slow
 def test_a_description_that_no_settings_name_is_said_by_run_and_check(cell):
     cell.write("pyproject.toml", "[tool.tracerisk]\nseed = 3\n")
     assert cell.run("init", "--yes").code == 0

@@ -237,6 +237,7 @@ def test_the_option_color_has_the_last_word(annotated):
     assert "'auto', 'always', 'never'" in wrong.err
 
 
+@pytest.mark.slow
 def test_the_time_left_is_shown_once_a_run_is_known(talking):
     known = talking.folder / "controller.py"
     assert last_duration_s(known) is None

@@ -457,6 +457,7 @@ def test_risk_and_activity_are_two_colourings_of_one_arm(risky, open_page):
     )
 
 
+@pytest.mark.slow
 def test_a_click_on_a_link_leads_to_its_share_and_to_the_source(risky, open_page):
     from selenium.webdriver import ActionChains
 
@@ -477,7 +478,7 @@ def test_a_click_on_a_link_leads_to_its_share_and_to_the_source(risky, open_page
     assert (link.text, link.get_attribute("title")) == ("pick 40 %", "pick.py:3")
 
 
-@pytest.mark.slow(but=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(1400, 1000), (400, 900)])
 def test_the_picture_holds_all_that_the_arm_reaches_and_little_more(page, shown_run, size):
     metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 0.25, "mobile": False}
@@ -690,6 +691,7 @@ def test_without_samples_there_is_a_timeline_of_visits(chromium, shown_run, page
     assert "there is no replay" in chromium.find_element("css selector", ".aside").text
 
 
+@pytest.mark.slow
 def test_a_mark_leads_to_its_instant(shown_run, page_of, chromium):
     found = tuple(Finding("touch", f"touch {n}", 2.0 + n, None) for n in range(9))
     section = timeline_section(
