@@ -395,6 +395,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "code"),
     [pytest.param("alpha beta gamma", 0, marks=pytest.mark.slow), ("alpha beta gamma delta", 4)],

@@ -125,6 +125,7 @@ FRAMES = (
 )
 
 
+@pytest.mark.slow
 def test_all_frames_that_a_script_names_are_drafted_together(tmp_path, monkeypatch):
     counts: Counter[str] = Counter()
     monkeypatch.setattr(attempts, "run_controller", _counted(attempts, "run_controller", counts))
@@ -167,6 +168,7 @@ def test_a_search_that_comes_nowhere_ends(tmp_path, monkeypatch, source):
     assert counts["run_controller"] <= 7
 
 
+@pytest.mark.slow
 def test_a_run_of_a_search_has_what_is_left_of_its_computing(tmp_path):
     busy = (
         HEAD + "rospy.wait_for_message('/go', Bool)\nn = 0\nwhile not rospy.is_shutdown():\n    "
@@ -230,6 +232,7 @@ def test_a_frame_whose_name_is_a_slip_is_not_drafted(tmp_path, frame, meant):
     assert f"# frame {frame}: likely a mistake for {meant}" in draft.text
 
 
+@pytest.mark.slow
 def test_a_frame_that_is_near_none_is_drafted(tmp_path):
     draft = _drafted(tmp_path, LOOKS_UP.format(frame="part_0"))
     assert {each.key for each in draft.given} == {"/start", "part_0"}

@@ -301,6 +301,7 @@ while not rospy.is_shutdown():
 """
 
 
+@pytest.mark.slow
 def test_of_what_raises_together_it_drafts_what_does_no_harm_alone(example):
     example.write("c.py", HEAD + LISTENS)
     ran = example.run("run", "c.py", "--check", "--json", "--duration", "5")
@@ -356,6 +357,7 @@ move(node)
 """
 
 
+@pytest.mark.slow
 def test_services_for_which_one_function_waits_are_drafted_together(example):
     example.write("c.py", WAITS)
     # Each service for itself would take more simulated time than a search has.
@@ -365,6 +367,7 @@ def test_services_for_which_one_function_waits_are_drafted_together(example):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_run_that_took_all_its_time_to_wait_is_drafted_too(example):
     example.write("c.py", WAITS.replace("node.begin()\n", ""))
     ran = example.run("run", "c.py", "--check", "--json", "--duration", "5")
@@ -465,6 +468,7 @@ rospy.spin()
 )
 
 
+@pytest.mark.slow
 def test_a_model_of_gazebo_that_is_attached_is_drafted_beside_an_object_of_the_scene(example):
     example.write("c.py", ATTACHED)
     written = example.run("scenario", "c.py", "--write", "--json")
@@ -535,6 +539,7 @@ if nav.getResult() == TaskResult.SUCCEEDED:
 """
 
 
+@pytest.mark.slow
 def test_a_base_that_nav2_drives_is_drafted_though_drivers_serve_the_same_names(example):
     """Drivers of arms serve `get_state` too, of other types."""
     example.write("c.py", NAVIGATED)
@@ -634,7 +639,7 @@ ESTIMATES = {
 }
 
 
-@pytest.mark.slow(but=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("body", ESTIMATES.values(), ids=ESTIMATES)
 def test_what_is_estimated_once_too_early_comes_again(example, body):
     example.write("c.py", HEAD + body)
@@ -666,6 +671,7 @@ def test_an_alarm_is_not_drafted(example, topic):
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/part"]
 
 
+@pytest.mark.slow
 def test_a_message_that_makes_it_raise_is_left_out_of_a_first_draft(example):
     body = (
         "from geometry_msgs.msg import PointStamped\n"
@@ -685,6 +691,7 @@ def test_a_message_that_makes_it_raise_is_left_out_of_a_first_draft(example):
     assert "/seen" not in names
 
 
+@pytest.mark.slow
 def test_what_the_bring_up_serves_is_not_drafted_before_the_controller_reaches_it(example):
     begun = ROBOT.replace(
         "rclpy.init()\n",
@@ -713,6 +720,7 @@ def test_what_the_bring_up_serves_is_not_drafted_before_the_controller_reaches_i
     assert "service /apply_planning_scene (moveit_msgs/ApplyPlanningScene)" in had
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "absent",
     [

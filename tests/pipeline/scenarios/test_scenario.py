@@ -271,6 +271,7 @@ def test_a_loop_that_only_waits_stops_after_a_minute(example):
     assert 60.0 <= data["trace"]["end"]["simulated_s"] < 62.0
 
 
+@pytest.mark.slow
 def test_a_loop_that_only_waits_goes_on_while_the_scenario_has_more_to_give(example):
     example.write("c.py", LISTENER + POLL)
     example.write(

@@ -50,6 +50,7 @@ def sourced(prefix, *sites):
     return {**found, "PYTHONPATH": os.pathsep.join(sites)} if sites else found
 
 
+@pytest.mark.slow
 def test_messages_come_from_texts_whatever_a_sourced_shell_has_compiled(example, overlay):
     overlay.install("example_numbers", {"srv/AddTwoInts.srv": "int64 a\nint64 b\n---\nint64 sum\n"})
     site = overlay.python(
