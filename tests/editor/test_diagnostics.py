@@ -247,7 +247,7 @@ def test_the_folder_that_goes_takes_the_server_with_nothing(editor, cell):
 
 def test_where_a_check_would_help_is_shown_as_information(editor, cell, example_in):
     example = example_in(cell.parent)
-    done = example.run("evidence", cell.name, "--cells", "1", "-j", "1", "-q")
+    done = example.run("evidence", cell.name, "--cells", "1", "--shard", "1/8", "-j", "1", "-q")
     assert done.code == 0, done.err
     path = cell.parent / "tracerisk.evidence"
     found = read_evidence(path)[cell.name]
