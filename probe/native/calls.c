@@ -67,6 +67,8 @@ static unsigned long long loads = ~0ULL, unloads; /* of binaries, when `modules`
 struct counter {
   struct counter *next;
   const char *kind;
+  const void *end;     /* the publisher of ROS 2 that is counted; NULL: all of a name together */
+  uint64_t end_number; /* its number among those of this process; 0 for NULL */
   uint64_t count;
   size_t length; /* of the name */
   size_t written_length;
@@ -74,6 +76,7 @@ struct counter {
   char name[];
 };
 static struct counter *counters[BUCKETS];
+static uint64_t ends_counted;
 
 /* ---- Trouble: said once, and the node goes on. ---- */
 
@@ -395,17 +398,20 @@ static _Unwind_Reason_Code note_frame(struct _Unwind_Context *context, void *giv
   return _URC_NO_REASON;
 }
 
-static struct counter *counter_of(const char *kind, const char *name, size_t length)
+static struct counter *counter_of(const char *kind, const char *name, size_t length, const void *of)
 {
   size_t hash = 5381;
   for (size_t at = 0; at < length; ++at) hash = hash * 33 + (unsigned char)name[at];
   struct counter **there = &counters[hash % BUCKETS];
   for (struct counter *known = *there; known; known = known->next)
-    if (known->kind == kind && known->length == length && !memcmp(known->name, name, length))
+    if (known->kind == kind && known->end == of && known->length == length &&
+        !memcmp(known->name, name, length))
       return known;
   struct counter *made = calloc(1, sizeof *made + length + 6 * length + 2);
   if (!made) return NULL;
   made->kind = kind;
+  made->end = of;
+  made->end_number = of ? ++ends_counted : 0;
   made->length = length;
   memcpy(made->name, name, length);
   made->written = made->name + length;
@@ -415,25 +421,43 @@ static struct counter *counter_of(const char *kind, const char *name, size_t len
   return made;
 }
 
-/* Write a record; return its number among those of its kind and name. */
-static uint64_t write_record(const char *kind, const char *name, size_t length,
-                             const uint64_t *number, const struct stack *stack)
+/* Count no more for what is gone: another may come to lie where it was. */
+static void forget_end(const void *gone)
+{
+  static const char nobody;
+  for (int at = 0; at < BUCKETS; ++at)
+    for (struct counter *known = counters[at]; known; known = known->next)
+      if (known->end == gone) known->end = &nobody;
+}
+
+/* What is recorded: a command, or with the number of a call its end. */
+struct command {
+  const char *kind, *name;
+  size_t length;          /* of the name */
+  const void *end;        /* the publisher of ROS 2 */
+  const uint64_t *number; /* of the call that ends */
+};
+
+/* Write a record; return its number among those of its kind, name and publisher. */
+static uint64_t write_record(const struct command *command, const struct stack *stack)
 {
   struct timespec now;
   if (!has_begun) begin_process(false);
   list_modules();
-  struct counter *counter = is_on ? counter_of(kind, name, length) : NULL;
+  struct counter *counter =
+      is_on ? counter_of(command->kind, command->name, command->length, command->end) : NULL;
   if (!counter) return 0;
-  uint64_t seq = number ? *number : counter->count++;
+  uint64_t seq = command->number ? *command->number : counter->count++;
   char *to = space(256 + counter->written_length + 21 * (size_t)stack->depth);
   if (!to) return seq;
   clock_gettime(CLOCK_MONOTONIC, &now);
   to = put_number(put(to, "{\"t\":"), now.tv_sec * 1000000000ULL + (uint64_t)now.tv_nsec);
   to = put_number(put(to, ",\"pid\":"), (uint64_t)pid);
   to = put_number(put(to, ",\"tid\":"), (uint64_t)tid);
-  to = put(put(put(to, ",\"kind\":\""), kind), "\",\"name\":");
+  to = put(put(put(to, ",\"kind\":\""), command->kind), "\",\"name\":");
   memcpy(to, counter->written, counter->written_length);
   to = put_number(put(to + counter->written_length, ",\"seq\":"), seq);
+  if (counter->end_number) to = put_number(put(to, ",\"of\":"), counter->end_number);
   to = put_number(put(to, ",\"map\":"), (uint64_t)map_number);
   to = put(to, ",\"at\":[");
   const char *first = to;
@@ -449,17 +473,16 @@ static uint64_t write_record(const char *kind, const char *name, size_t length,
   return seq;
 }
 
-/* Record a command, or with the number of a call its end. */
-static uint64_t record(const char *kind, const char *name, size_t length, const uint64_t *number)
+static uint64_t record(const struct command *command)
 {
-  if (!is_on || is_recording || !name) return 0;
+  if (!is_on || is_recording || !command->name) return 0;
   int error = errno;
   struct stack stack = {.depth = 0, .is_cut = false};
   is_recording = true;
   if (!tid) tid = (int)syscall(SYS_gettid);
-  if (!number) _Unwind_Backtrace(note_frame, &stack);
+  if (!command->number) _Unwind_Backtrace(note_frame, &stack);
   pthread_mutex_lock(&lock);
-  uint64_t seq = write_record(kind, name, length, number, &stack);
+  uint64_t seq = write_record(command, &stack);
   pthread_mutex_unlock(&lock);
   is_recording = false;
   errno = error;
@@ -468,9 +491,10 @@ static uint64_t record(const char *kind, const char *name, size_t length, const 
 
 static const char publish[] = "publish", goal[] = "goal", call[] = "call", end[] = "end";
 
-static uint64_t record_named(const char *kind, const char *name)
+/* Record what an end of ROS 2 sends; messages are counted for each publisher. */
+static void record_of(const char *kind, const char *name, const void *publisher)
 {
-  return record(kind, name, name ? strlen(name) : 0, NULL);
+  record(&(struct command){kind, name, name ? strlen(name) : 0, publisher, NULL});
 }
 
 /* The end of a call is recorded even if it throws, or its thread is cancelled. */
@@ -482,7 +506,7 @@ struct called {
 
 static void record_end(struct called *called)
 {
-  record(end, called->name, called->length, &called->seq);
+  record(&(struct command){end, called->name, called->length, NULL, &called->seq});
 }
 
 /* ---- Beginning of the process ---- */
@@ -588,9 +612,9 @@ EXPORT void ROS1_PUBLISH(const struct publisher *const *self, const void *serial
 {
   const struct publisher *to = *self;
   if (to && ends_with(&to->topic, "/goal") && ends_with(&to->datatype, "ActionGoal"))
-    record(goal, to->topic.text, to->topic.length - strlen("/goal"), NULL);
+    record(&(struct command){goal, to->topic.text, to->topic.length - strlen("/goal"), NULL, NULL});
   else if (to)
-    record(publish, to->topic.text, to->topic.length, NULL);
+    record(&(struct command){publish, to->topic.text, to->topic.length, NULL, NULL});
   BEHIND(ROS1_PUBLISH)(self, serialize, message);
 }
 
@@ -600,7 +624,7 @@ EXPORT bool ROS1_CALL(const struct service_client *const *self, const void *requ
   const struct service_client *to = *self;
   if (!to) return BEHIND(ROS1_CALL)(self, request, response, md5sum);
   __attribute__((cleanup(record_end))) struct called called = {to->name.text, to->name.length, 0};
-  called.seq = record(call, called.name, called.length, NULL);
+  called.seq = record(&(struct command){call, called.name, called.length, NULL, NULL});
   return BEHIND(ROS1_CALL)(self, request, response, md5sum);
 }
 
@@ -656,6 +680,7 @@ static const struct members *members_of(const struct type_support *type)
 }
 
 struct end {
+  const void *self;
   const char *what, *name, *node;
   const struct members *type; /* NULL of one that is gone */
   const struct qos *qos;      /* NULL of a service's */
@@ -671,6 +696,7 @@ static void record_end_of_name(const struct end *of)
   is_recording = true;
   pthread_mutex_lock(&lock);
   if (!has_begun) begin_process(false);
+  if (!of->type) forget_end(of->self);
   size_t letters = strlen(of->name) + strlen(of->node) + strlen(type->space) + strlen(type->name);
   char *to = space(6 * letters + 256);
   if (to) {
@@ -701,14 +727,14 @@ static void record_end_of_name(const struct end *of)
   {                                                                                              \
     int failed = BEHIND(rcl_##kind##_init)(self, node, type, name, options);                     \
     if (is_on && !failed)                                                                        \
-      record_end_of_name(&(struct end){called, NAME(name_of, self),                              \
+      record_end_of_name(&(struct end){self, called, NAME(name_of, self),                        \
                                        NAME(rcl_node_get_fully_qualified_name, node),            \
                                        members_of(type), qos_of});                               \
     return failed;                                                                               \
   }                                                                                              \
   EXPORT int rcl_##kind##_fini(void *self, void *node)                                           \
   {                                                                                              \
-    record_end_of_name(&(struct end){called, is_on ? NAME(name_of, self) : NULL,                 \
+    record_end_of_name(&(struct end){self, called, is_on ? NAME(name_of, self) : NULL,           \
                                      is_on ? NAME(rcl_node_get_fully_qualified_name, node) : NULL, \
                                      NULL, NULL});                                               \
     return BEHIND(rcl_##kind##_fini)(self, node);                                                \
@@ -756,19 +782,19 @@ EXPORT int rcl_init_options_set_domain_id(void *options, size_t domain)
 
 EXPORT int rcl_publish(const void *self, const void *message, void *allocation)
 {
-  record_named(publish, NAME(rcl_publisher_get_topic_name, self));
+  record_of(publish, NAME(rcl_publisher_get_topic_name, self), self);
   return BEHIND(rcl_publish)(self, message, allocation);
 }
 
 EXPORT int rcl_publish_serialized_message(const void *self, const void *message, void *allocation)
 {
-  record_named(publish, NAME(rcl_publisher_get_topic_name, self));
+  record_of(publish, NAME(rcl_publisher_get_topic_name, self), self);
   return BEHIND(rcl_publish_serialized_message)(self, message, allocation);
 }
 
 EXPORT int rcl_publish_loaned_message(const void *self, void *message, void *allocation)
 {
-  record_named(publish, NAME(rcl_publisher_get_topic_name, self));
+  record_of(publish, NAME(rcl_publisher_get_topic_name, self), self);
   return BEHIND(rcl_publish_loaned_message)(self, message, allocation);
 }
 
@@ -777,12 +803,12 @@ EXPORT int rcl_send_request(const void *self, const void *request, int64_t *numb
   const char *service = NAME(rcl_client_get_service_name, self);
   /* Goals are recorded as such, and asking for their results is no command. */
   if (service && !strstr(service, "/_action/send_goal") && !strstr(service, "/_action/get_result"))
-    record_named(call, service);
+    record_of(call, service, NULL);
   return BEHIND(rcl_send_request)(self, request, number);
 }
 
 EXPORT int rcl_action_send_goal_request(const void *self, const void *request, int64_t *number)
 {
-  record_named(goal, NAME(rcl_action_client_get_action_name, self));
+  record_of(goal, NAME(rcl_action_client_get_action_name, self), NULL);
   return BEHIND(rcl_action_send_goal_request)(self, request, number);
 }

@@ -167,6 +167,18 @@ int main(int argc, char **argv)
                     rcl_publisher_fini(topic, node) == 20;
     return is_right ? 0 : 1;
   }
+  if (way == "publishers") {
+    const Type type = {"rosidl_typesupport_cpp", nullptr, described};
+    const Qos kept = {1, 10, 2, 1};
+    char node[] = "/cell", one[99], other[99];
+    int message = 0, code = rcl_publisher_init(one, node, &type, "/speed", &kept) +
+                            rcl_publisher_init(other, node, &type, "/speed", &kept);
+    for (char *publisher : {one, other, other, one}) rcl_publish(publisher, &message, nullptr);
+    rcl_publisher_fini(one, node);
+    code += rcl_publisher_init(one, node, &type, "/speed", &kept);
+    rcl_publish(one, &message, nullptr);
+    return code;
+  }
   if (way == "arguments") {
     char words[999];
     const char *const given[] = {"node", "left"};

@@ -138,6 +138,13 @@ def test_the_functions_of_rcl_are_recorded_and_answer_as_before(nodes, node):
     ]
 
 
+def test_messages_of_rcl_are_counted_for_each_publisher_of_a_topic(nodes, node):
+    assert nodes.run(node, "publishers").returncode == 0
+    numbers = [(call.of, call.seq) for call in nodes.log().calls]
+    # The last one is another, at the place of the first.
+    assert numbers == [(1, 0), (2, 0), (2, 1), (1, 1), (3, 0)]
+
+
 def test_what_a_node_of_rcl_makes_and_gives_up_is_noted(nodes, node):
     assert nodes.run(node, "ends").returncode == 0
     follower = CallFollower(nodes.folder / "calls.jsonl")

@@ -67,11 +67,14 @@ class Call:
     name: str
     """The topic, action or service."""
     seq: int
-    """How many of this kind and name the process issued before; of an `end`, that of its call."""
+    """How many of this kind and name the process issued before, in ROS 2 by this publisher; of an
+    `end`, that of its call."""
     stack: tuple[Frame, ...]
     """The active functions of the controller, the outermost first; empty if none is known."""
     is_cut: bool
     """Whether the stack was too deep, and its outermost functions are missing."""
+    of: int = 0
+    """The publisher of a message of ROS 2, among those of the process, from 1 on; 0 for others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +207,7 @@ def call_of(entry: Mapping[str, Any], stack: tuple[Frame, ...]) -> Call:
         entry["seq"],
         stack,
         bool(entry.get("cut")),
+        entry.get("of", 0),
     )
 
 

@@ -44,8 +44,8 @@ class Bridge:
     `message` and `service` classes come from `interfaces`. `report` gets the words for what cannot
     be passed on, `acts` the number of the controller's thread that has sent what comes next.
     `sender` (an attribute) returns the functions that sent what has come, by its topic or service,
-    its bytes, and its number among those of its publisher, if it has one; at first those that
-    `sent` has noted.
+    its bytes, and, if known, its number among those of its publisher and when it was sent [ns since
+    1970]; at first those that `sent` has noted.
     """
 
     def __init__(
@@ -63,7 +63,9 @@ class Bridge:
         self._relay = relay
         self._report = report
         self._acts = acts
-        self.sender: Callable[[str, bytes, int | None], tuple[Frame, ...]] = self._reported
+        self.sender: Callable[[str, bytes, int | None, int | None], tuple[Frame, ...]] = (
+            self._reported
+        )
         self._making = False
         self._stacks: dict[str, deque[tuple[tuple[Frame, ...], int]]] = {}
         self._on_behalf: dict[Any, tuple[Frame, ...]] = {}
@@ -267,16 +269,16 @@ class Bridge:
             self._relay.send({"do": "publish", "topic": topic}, self._wire.encode(message))
 
     def _message(self, header: dict[str, Any], body: bytes) -> None:
-        topic, number = header["topic"], header.get("sequence")
+        topic, number, at_ns = header["topic"], header.get("sequence"), header.get("at_ns")
         publication = self._publication(topic, header["caller"])
         if publication is None:
-            self.sender(topic, body, number)
+            self.sender(topic, body, number, at_ns)
             return
         kind: Any = self._interfaces.message(publication.type_name)
         message = self._wire.decode(body, kind)
         content = self._wire.content(body, message)
         number = self._wire.number(content, kind) if number is None else number
-        stack = self.sender(topic, content, number)
+        stack = self.sender(topic, content, number, at_ns)
         with self._acting_for(stack):
             publication.publish(message)
 
@@ -325,7 +327,7 @@ class Bridge:
         if server is not None:
             asked, _ = self._wire.parts(self._interfaces.service(server.type_name))
             content = self._content(body, asked)
-        stack = self.sender(name, content, None)
+        stack = self.sender(name, content, None, None)
 
         def answer() -> None:
             server = self._graph.services.find(name, self._types.get(name))
@@ -351,7 +353,7 @@ class Bridge:
         kind = self.actions.goal_class(header["name"])
         stack: tuple[Frame, ...] = ()
         if header["is"] == "goal" and kind is not None:
-            stack = self.sender(header["name"], self._content(body, kind), None)
+            stack = self.sender(header["name"], self._content(body, kind), None, None)
         with self._acting_for(stack):
             self.actions.take(header, body)
 
@@ -360,7 +362,13 @@ class Bridge:
 
     # Stacks
 
-    def _reported(self, name: str, body: bytes, number: int | None) -> tuple[Frame, ...]:  # noqa: ARG002
+    def _reported(
+        self,
+        name: str,  # noqa: ARG002
+        body: bytes,
+        number: int | None,  # noqa: ARG002
+        at_ns: int | None,  # noqa: ARG002
+    ) -> tuple[Frame, ...]:
         of = digest(body)
         known = self._stacks.get(of)
         if not known:

@@ -1,6 +1,7 @@
 """Whose functions a compiled node's messages are: by what the probe wrote, lines and loops."""
 
 import json
+import time
 
 import pytest
 
@@ -50,18 +51,18 @@ class Node:
             lambda file, content: None,
         )  # fmt: skip
 
-    def send(self, *stack, name=GOAL, tid=7, pid=7, file=None, kind="publish"):
+    def send(self, *stack, name=GOAL, tid=7, pid=7, file=None, kind="publish", of=0, t=1):
         """Note what a node sent with a stack of names and lines; return its number."""
-        seq = self.counts.get((pid, name), 0)
-        self.counts[pid, name] = seq + 1
+        seq = self.counts.get((pid, name, of), 0)
+        self.counts[pid, name, of] = seq + 1
         if kind == "publish" and name.endswith("/goal"):
             kind, name = "goal", name.removesuffix("/goal")
         frames = [[function, file or self.source, line] for function, line in stack]
-        self.write(kind, name, seq, tid=tid, pid=pid, stack=frames)
+        self.write(kind, name, seq, tid=tid, pid=pid, stack=frames, of=of, t=t)
         return seq
 
-    def write(self, kind, name, seq, tid=7, pid=7, stack=()):
-        entry = {"t": 1, "pid": pid, "tid": tid, "kind": kind, "name": name, "seq": seq}
+    def write(self, kind, name, seq, tid=7, pid=7, stack=(), of=0, t=1):
+        entry = {"t": t, "pid": pid, "tid": tid, "kind": kind, "name": name, "seq": seq, "of": of}
         self.lines.append(json.dumps({**entry, "stack": stack}) + "\n")
         self.file.write_text("".join(self.lines))
 
@@ -70,8 +71,8 @@ class Node:
         number = self.send(*stack, **given)
         return self.received(number, given.get("name", GOAL))
 
-    def received(self, number, name=GOAL):
-        frames = self.calls.stack(name, number)
+    def received(self, number, name=GOAL, at_ns=None):
+        frames = self.calls.stack(name, number, at_ns)
         return [(frame.function.name, frame.site[0], frame.activation) for frame in frames]
 
 
@@ -142,6 +143,29 @@ def test_a_publisher_that_was_made_anew_counts_from_0_again(node):
     for line in (21, 22, 23):
         node.send(("main", line))
     assert [[frame[1] for frame in node.received(number)] for number in (0, 2)] == [[21], [23]]
+
+
+def test_of_two_publishers_of_a_topic_each_has_its_own_numbers(node):
+    """Each loses messages, and their numbers alone say nothing: when they were sent does."""
+    now_ns, began_ns = time.time_ns(), time.monotonic_ns()
+    sent = []
+    for turn in range(20):
+        for of, stack in ((1, [("main", 21), HOME]), (2, [("main", 23), SWING])):
+            t = began_ns + turn * 3_000_000 + of * 1_000_000
+            number = node.send(*stack, name="/speed", of=of, t=t)
+            sent.append((number, now_ns + t - began_ns + 30_000, stack))
+    came = [sent[place] for place in range(len(sent)) if place % 5 not in (0, 3)]
+    for number, at_ns, stack in came:
+        assert [frame[:2] for frame in node.received(number, "/speed", at_ns)] == stack
+    assert len({number for number, *_ in came}) < len(came)
+
+
+def test_a_message_without_a_number_is_known_by_its_time(node):
+    now_ns, began_ns = time.time_ns(), time.monotonic_ns()
+    for place, stack in enumerate([[("main", 21), HOME], [("main", 23), SWING]]):
+        node.send(*stack, name="/speed", t=began_ns + place * 1_000_000)
+    frames = node.received(None, "/speed", now_ns + 1_000_000)
+    assert [name for name, *_ in frames] == ["main", "cell::Cell::swing"]
 
 
 def test_messages_without_a_header_are_taken_in_their_order_once_those_lost_are_forgotten(node):

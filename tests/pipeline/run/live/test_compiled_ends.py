@@ -3,12 +3,12 @@
 from tracerisk.pipeline.run.live.compiled_ends import CompiledEnds
 
 
-def end(what, name, space="", of="", node="/cell", **more):
-    return {"pid": 7, "made": what, "name": name, "node": node, "type": [space, of], **more}
+def end(what, name, space="", of="", node="/cell", pid=7, **more):
+    return {"pid": pid, "made": what, "name": name, "node": node, "type": [space, of], **more}
 
 
-def gone(what, name, node="/cell"):
-    return {"pid": 7, "gone": what, "name": name, "node": node}
+def gone(what, name, node="/cell", pid=7):
+    return {"pid": pid, "gone": what, "name": name, "node": node}
 
 
 def test_topics_have_types_nodes_and_qualities():
@@ -37,6 +37,25 @@ def test_ends_of_one_topic_and_node_come_with_the_first_and_go_with_the_last():
     ]
     (again,) = ends.frames([made])
     assert again["is"] == "publisher"
+
+
+def test_what_a_process_had_is_gone_when_it_has_ended_without_giving_it_up():
+    made = end("publisher", "/a", "p::msg", "T", reliable=1, kept=0)
+    again = {**made, "pid": 8}
+    left = {"is": "no_publisher", "name": "/a", "caller": "/cell"}
+    ends = CompiledEnds()
+    assert len(list(ends.frames([made, made]))) == 1
+    assert ends.processes == {7}
+    assert list(ends.without([7])) == [left]
+    assert list(ends.without([7])) == []
+    assert ends.processes == frozenset()
+    # Started again, it comes and goes once.
+    assert [frame["is"] for frame in ends.frames([again])] == ["publisher"]
+    assert list(ends.frames([gone("publisher", "/a", pid=8)])) == [left]
+    # The other way round: the new one is there before the old one has ended.
+    assert len(list(ends.frames([made, again]))) == 1
+    assert list(ends.without([7])) == []
+    assert list(ends.frames([gone("publisher", "/a", pid=8)])) == [left]
 
 
 def test_what_has_no_known_type_is_told_once_and_makes_no_frame():

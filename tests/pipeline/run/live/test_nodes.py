@@ -2,6 +2,7 @@
 
 import json
 import os
+import subprocess
 from types import SimpleNamespace
 
 import pytest
@@ -116,6 +117,26 @@ def test_a_node_of_ros2_that_has_made_something_has_come(made, tmp_path, monkeyp
     ]
     assert not nodes.is_awaited
     assert nodes.new_ends() == []
+
+
+def test_what_a_crashed_node_of_ros2_published_is_gone_once_nothing_is_under_way(
+    made, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("tracerisk.pipeline.run.live.nodes.build_probe", lambda folder: folder)
+    source = str(tmp_path / "pick.cpp")
+    request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
+    nodes = CompiledNodes(request, made[0]._recorder, tmp_path, {}, 2)
+    with subprocess.Popen(["sleep", "600"]) as process:
+        line = {"pid": process.pid, "made": "publisher", "name": "/speed", "node": "/cell"}
+        line |= {"type": ["std_msgs::msg", "Float64"], "reliable": 1, "kept": 0}
+        (tmp_path / "calls.jsonl").write_text(json.dumps(line) + "\n")
+        assert [frame["is"] for frame in nodes.new_ends()] == ["publisher"]
+        nodes.settled()
+        assert nodes.new_ends() == []
+        process.kill()
+    assert nodes.new_ends() == []
+    nodes.settled()
+    assert nodes.new_ends() == [{"is": "no_publisher", "name": "/speed", "caller": "/cell"}]
 
 
 def test_what_has_no_known_type_is_told(made, tmp_path, monkeypatch):

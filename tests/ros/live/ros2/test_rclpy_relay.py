@@ -209,11 +209,11 @@ def test_what_comes_is_passed_on_but_not_what_the_twin_itself_published(twin):
     heard, profile = twin.node.subscriptions["/words"]
     assert profile.reliability == "best effort"
     heard(b"ours", {"publication_sequence_number": 1})
-    heard(b"theirs", {"publication_sequence_number": 3})
-    heard(b"theirs", {})  # a middleware that does not number them
+    heard(b"theirs", {"publication_sequence_number": 3, "source_timestamp": 8})
+    heard(b"theirs", {"source_timestamp": 0})  # a middleware that says neither
     header = {"is": "message", "topic": "/words", "caller": ""}
-    assert twin.link.receive() == ({**header, "sequence": 2}, b"theirs")
-    assert twin.link.receive() == (header, b"theirs")
+    assert twin.link.receive() == ({**header, "sequence": 2, "at_ns": 8}, b"theirs")
+    assert twin.link.receive() == ({**header, "at_ns": None}, b"theirs")
 
 
 def test_a_call_is_answered_by_the_twin(twin):

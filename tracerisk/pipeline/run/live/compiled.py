@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -87,7 +88,8 @@ class CompiledCalls:
         self._pending: defaultdict[str, list[Call]] = defaultdict(list)
         self._late: set[int] = set()
         self._latest: dict[str, tuple[Frame, ...]] = {}
-        self._shifts: dict[tuple[int, str], int] = {}  # of the probe's numbers from a publisher's
+        # Of the probe's numbers from a publisher's, by its process, topic and number there.
+        self._shifts: dict[tuple[int, str, int], int] = {}
         self._before: dict[int, list[tuple[_Active, int]]] = {}
         self._next = itertools.count(1).__next__
         source = self._source(main)
@@ -116,15 +118,15 @@ class CompiledCalls:
         """Whether the probe was loaded by any process."""
         return bool(self._follower.programs)
 
-    def stack(self, name: str, number: int | None) -> tuple[Frame, ...]:
+    def stack(self, name: str, number: int | None, at_ns: int | None = None) -> tuple[Frame, ...]:
         """Return the functions behind what came on a topic or service, the outermost first.
 
         `number` is that by which roscpp, in the message's header, or the transport of ROS 2 counts
         those of a publisher, from 0 on again when a node has destroyed the publisher and made
-        another.
+        another. `at_ns` is when the transport of ROS 2 sent it [ns since 1970].
         """
         self._take()
-        call = self._call(self._pending[name], number)
+        call = self._call(self._pending[name], number, at_ns)
         frames = () if call is None else self._frames(call)
         if call is None and number is not None:
             frames = self._latest.get(name, ())  # what is latched goes out again
@@ -184,25 +186,32 @@ class CompiledCalls:
             of = ("call", call.pid, call.seq)
             pending[:] = [one for one in pending if (one.kind, one.pid, one.seq) != of]
 
-    def _call(self, calls: list[Call], number: int | None) -> Call | None:
-        """Take out of what is pending on one name the command that has come."""
+    def _call(self, calls: list[Call], number: int | None, at_ns: int | None) -> Call | None:
+        """Take out of what is pending on one name the command that has come.
+
+        Of several publishers of a topic each counts its own; the time says whose number it is.
+        """
         if not calls:
             return None
-        fit = (call for call in calls if number is None or call.seq == self._seq(call, number))
-        call = next(fit, calls[0])
+        fit = [call for call in calls if number is None or call.seq == self._seq(call, number)]
+        call = (fit or calls)[0]
+        if at_ns is not None:
+            at_ns -= time.time_ns() - time.monotonic_ns()  # on the clock of the probe
+            call = min(fit or calls, key=lambda call: abs(call.t_ns - at_ns))
         if number is not None:
-            self._shifts[call.pid, call.name] = call.seq - number
-        # What the same process sent earlier was lost on its way.
+            self._shifts[call.pid, call.name, call.of] = call.seq - number
+        # What the same publisher sent earlier was lost on its way.
+        of = call.pid, call.of
         calls[:] = [
             one
             for one in calls
-            if one is not call and (one.pid != call.pid or one.seq > call.seq or number is None)
+            if one is not call and ((one.pid, one.of) != of or one.seq > call.seq or number is None)
         ]
         return call
 
     def _seq(self, call: Call, number: int) -> int:
         """Return the number by which the probe counts what has a number of its publisher's."""
-        return number + self._shifts.get((call.pid, call.name), 0)
+        return number + self._shifts.get((call.pid, call.name, call.of), 0)
 
     # From the probe's frames to ours
 

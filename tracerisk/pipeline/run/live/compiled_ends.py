@@ -7,7 +7,7 @@ ROS 2 has no master to ask. The frames are those that nodes in Python report
 from __future__ import annotations
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -17,13 +17,16 @@ _OF_LIBRARY = "/parameter_events"
 _SEPARATOR = re.compile(r"::|__")
 _TOPICS = {"publisher": "publisher", "subscription": "subscriber"}
 """The ends of topics, by what rcl calls them: what they are to the twin's side."""
+_End = tuple[str, str, str]
+"""What an end is to the twin's side, its topic and its node."""
 
 
 class CompiledEnds:
     """Makes frames for the twin's side of the probe's lines; several ends of a name count once."""
 
     def __init__(self) -> None:
-        self._counts: Counter[tuple[str, str, str]] = Counter()
+        # How many ends of a topic and node each process has.
+        self._counts: defaultdict[_End, Counter[int]] = defaultdict(Counter)
         self.untyped: dict[str, str] = {}
         """The topics, services and actions of which no type is known, and the node of each."""
 
@@ -38,28 +41,47 @@ class CompiledEnds:
             elif "made" in entry:
                 yield from _of_service(what, entry)
 
+    @property
+    def processes(self) -> frozenset[int]:
+        """The processes that publish or hear anything."""
+        return frozenset(pid for counts in self._counts.values() for pid in +counts)
+
+    def without(self, pids: Iterable[int]) -> Iterator[dict[str, Any]]:
+        """Yield a frame for each end that is no more, now that processes have ended.
+
+        One that has crashed, or that its code ends by `_exit`, gives up nothing.
+        """
+        for pid in pids:
+            for end, counts in self._counts.items():
+                if counts.pop(pid, 0) and not +counts:
+                    yield _given_up(*end)
+
     def _of_topic(self, what: str, entry: dict[str, Any]) -> Iterator[dict[str, Any]]:
         name, node = entry["name"], entry["node"]
         if _OF_ACTIONS in name or name == _OF_LIBRARY:
             return
-        key = (what, name, node)
-        frame: dict[str, Any] = {"name": name, "caller": node}
+        counts = self._counts[what, name, node]
         if "gone" in entry:
-            if self._counts[key] == 0:
+            if counts[entry["pid"]] == 0:
                 return  # no type was known of it
-            self._counts[key] -= 1
-            if self._counts[key] == 0:
-                yield {"is": f"no_{what}", **frame}
+            counts[entry["pid"]] -= 1
+            if not +counts:
+                yield _given_up(what, name, node)
             return
-        self._counts[key] += 1
-        if self._counts[key] > 1:
+        counts[entry["pid"]] += 1
+        if counts.total() > 1:
             return
+        frame: dict[str, Any] = {"name": name, "caller": node}
         quality: dict[str, Any] = {"takes_latched": bool(entry["kept"])}
         if what == "publisher":
             quality = {
                 "quality": {"reliable": bool(entry["reliable"]), "latch": bool(entry["kept"])}
             }
         yield {"is": what, **frame, "type": _type_name(*entry["type"]), **quality}
+
+
+def _given_up(what: str, name: str, node: str) -> dict[str, Any]:
+    return {"is": f"no_{what}", "name": name, "caller": node}
 
 
 def _of_service(what: str, entry: dict[str, Any]) -> Iterator[dict[str, Any]]:

@@ -15,6 +15,7 @@ from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls
 from tracerisk.pipeline.run.live.compiled_ends import CompiledEnds
 from tracerisk.pipeline.trace.run_files import STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
+from tracerisk.ros.live.process_tree import has_ended
 from tracerisk.ros.live.session import Command
 from tracerisk.trace import EndCause
 
@@ -53,6 +54,7 @@ class CompiledNodes:
         self._words, self._answers = command_words(request.argv, ros), request.answers
         self._environment = environment
         self._ends = CompiledEnds()
+        self._gone: tuple[int, ...] = ()
         self._probe: Path | None = None
         self._without_probe = ""
         try:
@@ -101,7 +103,9 @@ class CompiledNodes:
         ends = self._calls.new_ends()
         for end in ends:
             self.registered(end["node"])
-        return list(self._ends.frames(ends))
+        frames = [*self._ends.frames(ends), *self._ends.without(self._gone)]
+        self._gone = ()
+        return frames
 
     def input_ended(self) -> None:
         """Record that a node asked for more input than there was."""
@@ -115,6 +119,8 @@ class CompiledNodes:
     def settled(self) -> None:
         """Note that nothing is under way between nodes and twin."""
         self._calls.settled()
+        # What a process has sent last has come by now.
+        self._gone = tuple(pid for pid in sorted(self._ends.processes) if has_ended(pid))
 
     @property
     def is_awaited(self) -> bool:
@@ -142,9 +148,15 @@ class CompiledNodes:
     def _is_late(self) -> bool:
         return time.monotonic() - self._began > _READY_S
 
-    def sender(self, name: str, body: bytes, number: int | None) -> tuple[Frame, ...]:  # noqa: ARG002
+    def sender(
+        self,
+        name: str,
+        body: bytes,  # noqa: ARG002
+        number: int | None,
+        at_ns: int | None = None,
+    ) -> tuple[Frame, ...]:
         """Return the functions that sent what has come on a topic, or to a service or action."""
-        return self._calls.stack(name, number)
+        return self._calls.stack(name, number, at_ns)
 
     def logged(self, line: Any) -> None:
         """Record a line of the log that is an error, and that a source of the controller wrote."""

@@ -127,7 +127,8 @@ class Relay:
         number = about.get("publication_sequence_number")
         # Fast DDS numbers the messages of each publisher from 1 on; not every middleware does.
         counted = {} if number is None else {"sequence": number - 1}
-        self._link.send({"is": "message", "topic": topic, "caller": "", **counted}, body)
+        sent = {"topic": topic, "caller": "", "at_ns": about.get("source_timestamp") or None}
+        self._link.send({"is": "message", **sent, **counted}, body)
 
     def _profile(self, *, reliable: bool, latch: bool, depth: int | None = None) -> Any:
         qos = self._qos
