@@ -635,7 +635,6 @@ const char *rcl_publisher_get_topic_name(const void *publisher);
 const char *rcl_subscription_get_topic_name(const void *subscription);
 const char *rcl_client_get_service_name(const void *client);
 const char *rcl_service_get_service_name(const void *service);
-const char *rcl_action_client_get_action_name(const void *client);
 const char *rcl_node_get_fully_qualified_name(const void *node);
 void rcutils_reset_error(void);
 
@@ -798,17 +797,16 @@ EXPORT int rcl_publish_loaned_message(const void *self, void *message, void *all
   return BEHIND(rcl_publish_loaned_message)(self, message, allocation);
 }
 
+/* A goal passes here too, by a service whose name is resolved, unlike that of an action's client.
+ * Asking for its result is no command. */
 EXPORT int rcl_send_request(const void *self, const void *request, int64_t *number)
 {
+  static const char send_goal[] = "/_action/send_goal";
   const char *service = NAME(rcl_client_get_service_name, self);
-  /* Goals are recorded as such, and asking for their results is no command. */
-  if (service && !strstr(service, "/_action/send_goal") && !strstr(service, "/_action/get_result"))
+  const char *of_action = service ? strstr(service, "/_action/") : NULL;
+  if (of_action && !strcmp(of_action, send_goal))
+    record(&(struct command){goal, service, (size_t)(of_action - service), NULL, NULL});
+  else if (!of_action || strcmp(of_action, "/_action/get_result"))
     record_of(call, service, NULL);
   return BEHIND(rcl_send_request)(self, request, number);
-}
-
-EXPORT int rcl_action_send_goal_request(const void *self, const void *request, int64_t *number)
-{
-  record_of(goal, NAME(rcl_action_client_get_action_name, self), NULL);
-  return BEHIND(rcl_action_send_goal_request)(self, request, number);
 }

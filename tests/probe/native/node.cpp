@@ -145,7 +145,7 @@ int main(int argc, char **argv)
   if (way == "ros2") {
     long number = 0;
     int message = 0;
-    const char *topic = "/arm/command", *service = "/gripper/set", *action = "/arm/move";
+    const char *topic = "/arm/command", *service = "/gripper/set", *action = "arm/move";
     bool is_right = rcl_publish(topic, &message, nullptr) == 11 &&
                     rcl_publish_serialized_message(topic, &message, nullptr) == 12 &&
                     rcl_publish_loaned_message(topic, &message, nullptr) == 13 &&

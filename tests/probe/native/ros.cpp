@@ -33,7 +33,6 @@ bool ServiceClient::call(const SerializedMessage &request, SerializedMessage &, 
 extern "C" {
 const char *rcl_publisher_get_topic_name(const void *it) { return (const char *)it; }
 const char *rcl_client_get_service_name(const void *it) { return (const char *)it; }
-const char *rcl_action_client_get_action_name(const void *it) { return (const char *)it; }
 const char *rcl_subscription_get_topic_name(const void *it) { return (const char *)it; }
 const char *rcl_service_get_service_name(const void *it) { return (const char *)it; }
 const char *rcl_node_get_fully_qualified_name(const void *it) { return (const char *)it; }
@@ -67,7 +66,8 @@ int rcl_publish_loaned_message(const void *, void *, void *) { return 10 + (int)
 int rcl_send_request(const void *, const void *, long *number) { return *number = 77, 10 + (int)++sent; }
 int rcl_action_send_goal_request(const void *it, const void *request, long *number)
 {
-  std::string service = std::string((const char *)it) + "/_action/send_goal";
+  // The name of the client is as the node gave it, that of its service is resolved.
+  std::string service = "/cell/" + std::string((const char *)it) + "/_action/send_goal";
   return rcl_send_request(service.c_str(), request, number);
 }
 }

@@ -134,7 +134,7 @@ def test_the_functions_of_rcl_are_recorded_and_answer_as_before(nodes, node):
         ("publish", "/arm/command", 1),
         ("publish", "/arm/command", 2),
         ("call", "/gripper/set", 0),
-        ("goal", "/arm/move", 0),  # not its service once more
+        ("goal", "/cell/arm/move", 0),  # not its service once more
     ]
 
 
