@@ -1,14 +1,16 @@
 """What the file of the preloaded probe says of functions, lines and gaps."""
 
+import gc
 import json
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.instrument.native.binaries import Binary
+from tracerisk.instrument.native.binaries import Binary, readers
 from tracerisk.instrument.native.calls import Call, Frame, read_calls
 from tracerisk.instrument.native.following import CallFollower
 
@@ -99,6 +101,25 @@ def test_a_binary_names_all_its_sources_whether_or_not_they_ran(tmp_path):
     assert {str(recorded.source), str(place)} <= set(follower.sources())
     recorded.program.unlink()
     assert follower.sources() == []
+
+
+@needs_compiler
+@pytest.mark.skipif(shutil.which("addr2line") is None, reason="no binutils")
+def test_debug_information_is_read_once_however_often_and_for_how_much_it_is_asked(tmp_path):
+    recorded = Recorded(tmp_path, "-g")
+    before = set(readers())
+    binary = Binary(str(recorded.program))
+    address = recorded.at["_Z5issued"] - 1
+    first = binary.places([address])
+    (reader,) = set(readers()) - before
+    many = binary.places([*range(address - 4, address + 3000), 2**40])
+    assert many[address] == first[address] != ()
+    assert many[2**40] == ()
+    assert set(readers()) - before == {reader}
+    del binary
+    gc.collect()
+    assert set(readers()) == before
+    assert not Path(f"/proc/{reader}").exists()
 
 
 @needs_compiler

@@ -7,12 +7,14 @@ either, names come from the binary's symbol table alone.
 from __future__ import annotations
 
 import bisect
+import contextlib
 import ctypes
 import ctypes.util
 import re
 import shutil
 import struct
 import subprocess
+import weakref
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import NamedTuple
@@ -23,6 +25,10 @@ from tracerisk.instrument.native.cpp_names import is_mangled_of_library, is_of_l
 _SYMTAB, _DYNSYM = 2, 11
 _FUNCTION = 2
 _UNKNOWN = "??"
+_AT_ONCE = 1000
+"""How many addresses are asked for at once."""
+_LAST = 2**64 - 1
+"""The address that is asked for last, which is in no function."""
 _DISCRIMINATOR = re.compile(r" \(discriminator \d+\)$")
 
 
@@ -59,6 +65,7 @@ class Binary:
         except (struct.error, ArithmeticError, LookupError, ValueError):
             self._symbols = []  # it was cut off, or is none
         self._begins = [symbol.begins for symbol in self._symbols]
+        self._lines: _Lines | None = None
 
     def places(self, addresses: Sequence[int]) -> dict[int, tuple[Place, ...]]:
         """Return the functions active at each address as linked, the innermost first.
@@ -66,7 +73,7 @@ class Binary:
         Those after the first have the ones before inlined. An address of no known function has
         none.
         """
-        lines = _by_addr2line(self.path, addresses)
+        lines = self._places(addresses)
         return {
             address: lines.get(address) or self._by_symbol(address) for address in sorted(addresses)
         }
@@ -86,8 +93,17 @@ class Binary:
             if not is_mangled_of_library(symbol.name)
             and not is_of_library(source_name(demangled(symbol.name)))
         ]
-        places = _by_addr2line(self.path, own)
+        places = self._places(own)
         return tuple(sorted({place.file for there in places.values() for place in there}))
+
+    def _places(self, addresses: Sequence[int]) -> dict[int, tuple[Place, ...]]:
+        """Return what `addr2line` says of addresses; nothing where the machine has none."""
+        program = shutil.which("addr2line")
+        if program is None or not addresses:
+            return {}
+        if self._lines is None:
+            self._lines = _Lines(program, self.path)
+        return self._lines.places(addresses)
 
     def _by_symbol(self, address: int) -> tuple[Place, ...]:
         at = bisect.bisect_right(self._begins, address) - 1
@@ -120,34 +136,70 @@ def _symbols(data: bytes) -> Iterator[_Symbol]:
             yield _Symbol(value, length, data[names + name : end].decode("utf-8", "replace"))
 
 
-def _by_addr2line(path: str, addresses: Sequence[int]) -> dict[int, tuple[Place, ...]]:
-    program = shutil.which("addr2line")
-    if program is None or not addresses:
-        return {}
-    asked = "".join(f"{address:#x}\n" for address in addresses)
-    done = subprocess.run(
-        [program, "-a", "-f", "-i", "-C", "-e", path],
-        input=asked,
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
-    places: dict[int, list[Place]] = {}
-    now: list[Place] = []
-    lines = iter(done.stdout.splitlines())
-    for line in lines:
-        if line.startswith("0x"):
-            now = places.setdefault(int(line, 16), [])
-            continue
-        file, _, number = _DISCRIMINATOR.sub("", next(lines, "")).rpartition(":")
-        if file != _UNKNOWN:
-            now.append(Place(line, file, int(number) if number.isdigit() else 0))
-    return {
-        address: tuple(there)
-        for address, there in places.items()
-        if there and there[0].symbol != _UNKNOWN
-    }
+class _Lines:
+    """An `addr2line` that is asked again and again: to read what g++ writes takes it seconds."""
+
+    def __init__(self, program: str, path: str) -> None:
+        self._process = subprocess.Popen(
+            [program, "-a", "-f", "-i", "-C", "-e", path],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            errors="replace",
+        )
+        self.pid = self._process.pid
+        """The number of its process."""
+        _ALL_LINES.add(self)
+        weakref.finalize(self, _end, self._process)
+
+    def places(self, addresses: Sequence[int]) -> dict[int, tuple[Place, ...]]:
+        """Return what is active at each address of a known function, the innermost first."""
+        known: dict[int, tuple[Place, ...]] = {}
+        # So few that neither side waits for the other to read.
+        for first in range(0, len(addresses), _AT_ONCE):
+            known |= self._places(addresses[first : first + _AT_ONCE])
+        return known
+
+    def _places(self, addresses: Sequence[int]) -> dict[int, tuple[Place, ...]]:
+        writes, reads = self._process.stdin, self._process.stdout
+        assert writes is not None
+        assert reads is not None
+        with contextlib.suppress(BrokenPipeError):  # it has ended, for the file is no binary
+            writes.write("".join(f"{address:#x}\n" for address in (*addresses, _LAST)))
+            writes.flush()
+        places: dict[int, list[Place]] = {}
+        now: list[Place] = []
+        for line in map(str.rstrip, reads):
+            if line.startswith("0x"):
+                now = places.setdefault(int(line, 16), [])
+                continue
+            file, _, number = _DISCRIMINATOR.sub("", next(reads, "").rstrip()).rpartition(":")
+            if _LAST in places:
+                break
+            if file != _UNKNOWN:
+                now.append(Place(line, file, int(number) if number.isdigit() else 0))
+        return {
+            address: tuple(there)
+            for address, there in places.items()
+            if there and there[0].symbol != _UNKNOWN
+        }
+
+
+_ALL_LINES: weakref.WeakSet[_Lines] = weakref.WeakSet()
+
+
+def readers() -> tuple[int, ...]:
+    """Return the processes that this one has started to read binaries, and that still wait."""
+    return tuple(lines.pid for lines in _ALL_LINES)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with contextlib.suppress(BrokenPipeError):
+                pipe.close()
+    process.wait()
 
 
 @cache

@@ -9,7 +9,7 @@ import platform
 import signal
 import subprocess
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.common.sandbox.kernel.features import descendants, stat_fields
@@ -28,18 +28,18 @@ _POLL_S = 0.02
 class ProcessTree:
     """The processes of a command, by whomever they were started.
 
-    To know those whose parents have ended, this process must adopt orphans; `others` are processes
-    that it started for itself. `answers` are the lines of the command's standard input.
+    To know those whose parents have ended, this process must adopt orphans; `others` returns the
+    processes that it started for itself. `answers` are the lines of the command's standard input.
     """
 
     def __init__(
         self,
         command: Sequence[str],
         environment: Mapping[str, str],
-        others: Sequence[int],
+        others: Callable[[], Iterable[int]],
         answers: Sequence[str] = (),
     ) -> None:
-        self._others = frozenset(others)
+        self._others = others
         self._seen: tuple[int, ...] = ()
         self._seen_at = 0.0
         self._ran: dict[int, int] = {}
@@ -109,7 +109,9 @@ class ProcessTree:
 
     def _look(self) -> None:
         self._seen = tuple(
-            pid for pid in descendants(os.getpid(), self._others) if not self._is_reaped(pid)
+            pid
+            for pid in descendants(os.getpid(), frozenset(self._others()))
+            if not self._is_reaped(pid)
         )
         self._seen_at = time.monotonic()
 

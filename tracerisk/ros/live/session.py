@@ -23,6 +23,7 @@ from typing import Any
 
 from tracerisk.common.sandbox.kernel.features import stat_fields
 from tracerisk.errors import DependencyError, LimitError
+from tracerisk.instrument.native.binaries import readers
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.loopback import (
@@ -157,8 +158,12 @@ class Session:
             if self._ros == 2
             else command_environment(command.environment, self.master)
         )
-        others = [self._relay_process.pid]
-        self._tree = ProcessTree(command.words, environment, others, command.answers)
+        self._tree = ProcessTree(
+            command.words,
+            environment,
+            lambda: (self._relay_process.pid, *readers()),
+            command.answers,
+        )
         return self._tree.pid
 
     def end_input(self) -> bool:

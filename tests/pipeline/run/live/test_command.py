@@ -21,7 +21,7 @@ from tracerisk.ros.live.process_tree import ProcessTree
 adopt_orphans()
 other = subprocess.Popen(["sleep", "60"])
 # A shell that ends, of whose children one has left its session and hears no interrupt.
-tree = ProcessTree(["sh", "-c", "(trap '' INT; setsid sleep 60) & sleep 0.2"], os.environ, [other.pid])
+tree = ProcessTree(["sh", "-c", "(trap '' INT; setsid sleep 60) & sleep 0.2"], os.environ, lambda: [other.pid])
 while tree.code is None:
     time.sleep(0.01)
 time.sleep(0.1)
