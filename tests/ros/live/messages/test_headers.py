@@ -66,6 +66,29 @@ def test_interfaces_of_moveit_come_with_the_messages_that_they_need(real_ros, tm
     assert (out / "moveit_msgs" / "MoveGroupAction.h").is_file()
 
 
+def test_for_ros2_interfaces_of_moveit_are_all_that_is_made(tmp_path):
+    name = "moveit/move_group_interface/move_group_interface.hpp"
+    source = f"#include <rclcpp/rclcpp.hpp>\n#include <{name}>\n".encode()
+    out, prefix = tmp_path / "made", tmp_path / "ros" / "include"
+    assert make_headers(Interfaces(), [source], out, [prefix], ros=2) == ("moveit",)
+    assert [path.name for path in out.iterdir()] == ["moveit"]
+    of_ros = (out / "moveit/of_ros/of_ros.h").read_text()
+    assert "#include <rclcpp/rclcpp.hpp>" in of_ros
+    assert (out / name).read_text() == f"#include <{name.removesuffix('pp')}>\n"
+    # As MoveIt 2 is installed: each package has a folder of its own.
+    (prefix / "moveit_ros_planning_interface/moveit/move_group_interface").mkdir(parents=True)
+    assert make_headers(Interfaces(), [source], tmp_path / "none", [prefix], ros=2) == ()
+    assert not (tmp_path / "none").exists()
+
+
+def test_the_version_of_ros_is_that_of_the_sources(tmp_path):
+    (tmp_path / "pick.cpp").write_bytes(
+        b"#include <rclcpp/rclcpp.hpp>\n#include <moveit/robot_state/robot_state.h>\n"
+    )
+    assert headers_for([tmp_path / "pick.cpp"], tmp_path / "out") == ("moveit",)
+    assert "rclcpp" in (tmp_path / "out/moveit/of_ros/of_ros.h").read_text()
+
+
 def test_nothing_is_made_where_nothing_is_missing(tmp_path):
     present = tmp_path / "present"
     (present / "control_msgs").mkdir(parents=True)
@@ -80,6 +103,8 @@ def test_headers_are_looked_for_where_compilers_and_builds_have_them():
     )
     listed = [str(folder) for folder in folders]
     assert listed[:4] == ["/a", "/b", "/ws/devel/include", "/opt/ros/noetic/include"]
+    of_ros2 = include_folders({"AMENT_PREFIX_PATH": "/ws/install/cell:/opt/ros/jazzy"})
+    assert of_ros2[:2] == (Path("/ws/install/cell/include"), Path("/opt/ros/jazzy/include"))
     assert "/usr/include" in listed
 
 

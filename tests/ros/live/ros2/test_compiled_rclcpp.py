@@ -1,7 +1,8 @@
 """A node on rclcpp, compiled here, moves the twin: its functions, verdict, blocks; nothing gets out.
 
-RCLCPP_PREFIX names the prefixes that have rclcpp, rclcpp_action, control_msgs and std_srvs, with
-colons between them, such as /opt/ros/jazzy; LDFLAGS are given to the linker.
+RCLCPP_PREFIX names the prefixes that have rclcpp, rclcpp_action, control_msgs and std_srvs, and for
+MoveIt's interface moveit_msgs, with colons between them, such as /opt/ros/jazzy; LDFLAGS are given to
+the linker.
 """
 
 import json
@@ -23,37 +24,60 @@ PREFIXES = "RCLCPP_PREFIX"
 LIBRARIES = ("rclcpp", "rclcpp_action", "rcl", "rcl_action", "rcutils", "rcpputils", "rmw")
 MORE = ("rosidl_runtime_c", "tracetools", "libstatistics_collector")
 MESSAGES = (
-    *("control_msgs", "trajectory_msgs", "sensor_msgs", "std_srvs", "builtin_interfaces"),
-    *("action_msgs", "unique_identifier_msgs", "rcl_interfaces", "statistics_msgs"),
-    *("rosgraph_msgs", "std_msgs"),
+    *("trajectory_msgs", "sensor_msgs", "builtin_interfaces", "action_msgs", "std_msgs"),
+    *("unique_identifier_msgs", "rcl_interfaces", "statistics_msgs", "rosgraph_msgs"),
+)
+OF_MOVEIT = (
+    "moveit_msgs",
+    "geometry_msgs",
+    "shape_msgs",
+    "object_recognition_msgs",
+    "octomap_msgs",
 )
 
 
 @pytest.fixture(scope="module")
-def lived(tmp_path_factory, example_in):
-    """The node, run in an environment that points to a robot's domain."""
+def compiled(tmp_path_factory, example_in):
+    """Compiles a program with message packages in a folder of its own; skips where it cannot."""
     prefixes = [Path(item) for item in os.environ.get(PREFIXES, "").split(":") if item]
     compiler = shutil.which("c++")
     if not prefixes or compiler is None:
         pytest.skip(f"no C++ compiler, or {PREFIXES} names no prefix with rclcpp")
-    example = example_in(tmp_path_factory.mktemp("compiled"))
-    example.write("pyproject.toml", "")
-    example.write("cell.cpp", (PROGRAMS / "cell.cpp").read_text())
+
+    def compile_program(name, packages):
+        for package in packages:
+            if not any((prefix / "include" / package).is_dir() for prefix in prefixes):
+                pytest.skip(f"no prefix of {PREFIXES} has {package}")
+        example = example_in(tmp_path_factory.mktemp("compiled"))
+        example.write("pyproject.toml", "")
+        example.write(f"{name}.cpp", (PROGRAMS / f"{name}.cpp").read_text())
+        made = example.run("headers", f"{name}.cpp", "-o", "include")
+        assert made.code == 0, made.err
+        folders = [item for prefix in prefixes for item in sorted((prefix / "include").iterdir())]
+        messages = [f"{package}__rosidl_typesupport_cpp" for package in (*MESSAGES, *packages)]
+        subprocess.run(
+            [
+                *(compiler, "-std=c++17", "-g", "-O0", f"{name}.cpp", "-o", name, "-pthread"),
+                *("-Wall", "-Wextra", "-Werror", "-Iinclude"),
+                *(f"-isystem{folder}" for folder in folders),
+                *(f"-L{prefix}/lib" for prefix in prefixes),
+                *("-Wl,--as-needed", "-Wl,--allow-shlib-undefined"),
+                *(f"-l{library}" for library in (*LIBRARIES, *MORE, *messages)),
+                *shlex.split(os.environ.get("LDFLAGS", "")),
+            ],
+            cwd=example.folder,
+            check=True,
+        )
+        return example
+
+    return compile_program
+
+
+@pytest.fixture(scope="module")
+def lived(compiled):
+    """The node, run in an environment that points to a robot's domain."""
+    example = compiled("cell", ("control_msgs", "std_srvs"))
     example.write("angle.yaml", "cell:\n  ros__parameters:\n    angle: 0.4\n")
-    folders = [folder for prefix in prefixes for folder in sorted((prefix / "include").iterdir())]
-    linked = [*LIBRARIES, *MORE, *(f"{name}__rosidl_typesupport_cpp" for name in MESSAGES)]
-    subprocess.run(
-        [
-            *(compiler, "-std=c++17", "-g", "-O0", "cell.cpp", "-o", "cell", "-pthread"),
-            *(f"-I{folder}" for folder in folders),
-            *(f"-L{prefix}/lib" for prefix in prefixes),
-            *("-Wl,--as-needed", "-Wl,--allow-shlib-undefined"),
-            *(f"-l{name}" for name in linked),
-            *shlex.split(os.environ.get("LDFLAGS", "")),
-        ],
-        cwd=example.folder,
-        check=True,
-    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", "0")
         patch.setenv("ROS_STATIC_PEERS", "192.0.2.1")
@@ -64,6 +88,19 @@ def lived(tmp_path_factory, example_in):
     example.write("printed.txt", done.out + done.err)
     assert done.code == 1, done.out + done.err
     return example
+
+
+def test_a_node_plans_with_moveit_where_there_is_none(compiled):
+    example = compiled("picker", OF_MOVEIT)
+    done = example.run(
+        *("trace", "--live", "--robot", "panda", "-o", "live.json", "--", "./picker")
+    )
+    assert done.code == 0, done.out + done.err
+    trace = json.loads(example.read("live.json").decode())
+    names = [command["function"]["name"] for command in trace["commands"]]
+    assert names == [f"Picker::{name}" for name in ("home", "home", "approach", "lower", "grip")]
+    assert {command["end"] for command in trace["commands"]} == {"arrived"}
+    assert trace["verdict"]["kind"] == "complete"
 
 
 def test_the_node_reads_the_twin_moves_it_and_has_its_parameters(lived):

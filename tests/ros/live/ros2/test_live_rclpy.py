@@ -2,6 +2,7 @@
 
 import re
 import socket
+import subprocess
 import tempfile
 import threading
 from pathlib import Path
@@ -49,6 +50,20 @@ def test_a_program_does_the_same_under_real_rclpy(name, tmp_path, capfd):
     assert_same(live, twin, near=0.05)
     assert live.verdict.kind == twin.verdict.kind
     assert any("rclpy" in line for line in live.assumptions)
+
+
+def test_move_group_is_served_with_its_kinematics_and_scene(tmp_path, capfd, real_rclpy):
+    has_messages = [real_rclpy, "-c", "import moveit_msgs.action"]
+    if subprocess.run(has_messages, check=False, capture_output=True).returncode:
+        pytest.skip("the installed ROS 2 has no moveit_msgs")
+    live, printed = traced(tmp_path, "move_group", capfd, 1.0)
+    twin, also_printed = traced(tmp_path, "move_group", capfd, None)
+    assert logged(printed) == logged(also_printed)
+    assert len(logged(printed)) == 10
+    assert_same(live, twin, near=0.05)
+    assert live.verdict.kind == twin.verdict.kind == "faulted"
+    (reason,) = (reason for reason in live.verdict.reasons if reason.code not in CODES)
+    assert "NO_IK_SOLUTION" in reason.message
 
 
 def test_what_fails_is_said_as_on_the_stand_ins(tmp_path, capfd):

@@ -10,6 +10,7 @@ from tracerisk.common.dependencies import require_linux
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
+from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.prefixes import with_interfaces
 from tracerisk.pipeline.workspace.workspace import workspace_of
@@ -51,4 +52,5 @@ def headers_for(named: Sequence[Path], out: Path) -> tuple[str, ...]:
     more, installed = definitions_of(shipped_drivers()), with_interfaces(workspace.installed)
     interfaces = Interfaces(workspace.interfaces, more, installed)
     folders = [folder for folder in include_folders(os.environ) if folder != out]
-    return make_headers(interfaces, sources, out, folders)
+    is_ros2 = any(ros_version(path, controller.root) == 2 for path in files)
+    return make_headers(interfaces, sources, out, folders, 2 if is_ros2 else 1)

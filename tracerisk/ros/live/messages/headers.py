@@ -1,4 +1,4 @@
-"""C++ headers of message packages that a machine lacks, made by gencpp from our texts."""
+"""C++ headers that a machine lacks: of messages, made by gencpp from our texts, and of MoveIt."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.c_tokens import names_included
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.ros.live.loopback import loopback_environment
 from tracerisk.ros.live.messages.texts import write_texts
 from tracerisk.ros.live.real_ros import python_of_ros, start
@@ -25,31 +26,41 @@ if TYPE_CHECKING:
 _OF_MESSAGE = re.compile(rb"(\w+)/(\w+)\.h")
 _MOVEIT = Path(__file__).parent / "moveit"
 """What stands for MoveIt's headers where they are missing."""
+_OF_ROS = "of_ros/of_ros"
+"""The one of them that differs between the versions of ROS, whose number ends its name here."""
 _NO_GENCPP = 3
 """The code with which the generator ends where there is no gencpp."""
 
 
 def include_folders(environment: Mapping[str, str]) -> tuple[Path, ...]:
-    """Return the folders in which a compiler or a catkin build finds headers of messages."""
+    """Return the folders in which a compiler or a build of ROS finds headers."""
     listed = [
         Path(name)
         for variable in ("CPATH", "CPLUS_INCLUDE_PATH")
         for name in environment.get(variable, "").split(os.pathsep)
         if name
     ]
-    prefixes = environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
-    built = [Path(name, "include") for name in prefixes if name]
+    built = [
+        Path(name, "include")
+        for variable in ("CMAKE_PREFIX_PATH", "AMENT_PREFIX_PATH")
+        for name in environment.get(variable, "").split(os.pathsep)
+        if name
+    ]
     ros = sorted(Path("/opt/ros").glob("*/include"))
     return (*listed, *built, *ros, Path("/usr/include"), Path("/usr/local/include"))
 
 
 def make_headers(
-    interfaces: Interfaces, sources: Iterable[bytes], out: Path, folders: Collection[Path]
+    interfaces: Interfaces,
+    sources: Iterable[bytes],
+    out: Path,
+    folders: Collection[Path],
+    ros: RosVersion = 1,
 ) -> tuple[str, ...]:
     """Make below `out` the headers that sources include and none of the folders holds.
 
     Headers of all that they are made of are made too, where their package is missing; so are those
-    of MoveIt's interfaces. Return the packages, sorted.
+    of MoveIt's interfaces, which are all that is made for ROS 2. Return the packages, sorted.
 
     Raises:
         DependencyError: there is no ROS 1, or no gencpp.
@@ -57,12 +68,14 @@ def make_headers(
     messages: set[str] = set()
     services: set[str] = set()
     sources = list(sources)
-    of_moveit = [] if _has("moveit", folders) else _moveit_headers(sources)
-    for name in of_moveit:
+    of_moveit = {} if _has_moveit(folders) else _moveit_headers(sources, ros)
+    for name, content in of_moveit.items():
         place = out / "moveit" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        sources.append(file_bytes(_MOVEIT / name))
-        place.write_bytes(sources[-1])
+        place.write_bytes(content)
+    if ros == 2:
+        return ("moveit",) if of_moveit else ()
+    sources += of_moveit.values()
     for source in sources:
         for header in filter(None, map(_OF_MESSAGE.fullmatch, names_included(source))):
             package, short = (part.decode() for part in header.groups())
@@ -91,11 +104,29 @@ def make_headers(
     return tuple(sorted([*missing, *(["moveit"] if of_moveit else [])]))
 
 
-def _moveit_headers(sources: Iterable[bytes]) -> list[Path]:
-    """Return our headers for MoveIt, if the sources include one of them."""
-    ours = sorted(path.relative_to(_MOVEIT) for path in _MOVEIT.rglob("*.h"))
-    named = {name for source in sources for name in names_included(source)}
-    return ours if any(f"moveit/{path.as_posix()}".encode() in named for path in ours) else []
+def _moveit_headers(sources: Iterable[bytes], ros: RosVersion) -> dict[str, bytes]:
+    """Return our headers for MoveIt by their names, if the sources include one of them.
+
+    MoveIt 2 gives each of them two names: `.h`, and since Jazzy `.hpp`.
+    """
+    headers: dict[str, bytes] = {}
+    for path in sorted(_MOVEIT.rglob("*.h")):
+        name = path.relative_to(_MOVEIT).as_posix()
+        if not name.startswith(_OF_ROS):
+            headers[name] = file_bytes(path)
+    if ros == 2:
+        headers |= {f"{name}pp": b"#include <moveit/%s>\n" % name.encode() for name in headers}
+    included = {name for source in sources for name in names_included(source)}
+    if not any(f"moveit/{name}".encode() in included for name in headers):
+        return {}
+    return {f"{_OF_ROS}.h": file_bytes(_MOVEIT / f"{_OF_ROS}{ros}.h"), **headers}
+
+
+def _has_moveit(folders: Collection[Path]) -> bool:
+    """Return whether MoveIt is there; in ROS 2 each package has a folder of its own for headers."""
+    return _has("moveit", folders) or any(
+        any(folder.glob("*/moveit/move_group_interface")) for folder in folders
+    )
 
 
 def _has(package: str, folders: Collection[Path]) -> bool:

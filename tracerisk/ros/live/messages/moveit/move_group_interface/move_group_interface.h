@@ -1,8 +1,12 @@
-// MoveIt's MoveGroupInterface for machines without MoveIt: over the actions, services and parameters
-// of move_group, header only. Given by `tracerisk headers`; what it lacks does not compile.
+// MoveIt's MoveGroupInterface for machines without MoveIt, of ROS 1 and of ROS 2: over the actions,
+// services and parameters of move_group, header only. Given by `tracerisk headers`; what it lacks
+// does not compile.
 #pragma once
 
 #include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,20 +14,10 @@
 #include <string>
 #include <vector>
 
-#include <actionlib/client/simple_action_client.h>
-#include <geometry_msgs/PoseStamped.h>
+#include <moveit/move_group_interface/constraints.h>
+#include <moveit/of_ros/of_ros.h>
 #include <moveit/robot_state/robot_state.h>
 #include <moveit/utils/moveit_error_code.h>
-#include <moveit_msgs/AttachedCollisionObject.h>
-#include <moveit_msgs/ExecuteTrajectoryAction.h>
-#include <moveit_msgs/GetCartesianPath.h>
-#include <moveit_msgs/GetPositionFK.h>
-#include <moveit_msgs/MoveGroupAction.h>
-#include <ros/callback_queue.h>
-#include <ros/ros.h>
-#include <sensor_msgs/JointState.h>
-#include <shape_msgs/SolidPrimitive.h>
-#include <std_msgs/String.h>
 
 namespace moveit {
 namespace planning_interface {
@@ -32,45 +26,30 @@ using moveit::core::MoveItErrorCode;
 
 class MoveGroupInterface {
  public:
-  struct Plan {
-    moveit_msgs::RobotState start_state_;
-    moveit_msgs::RobotTrajectory trajectory_;
-    double planning_time_ = 0.0;
-  };
+  typedef of_ros::Plan Plan;
+  typedef of_ros::Options Options;
 
-  struct Options {
-    explicit Options(std::string group) : group_name_(std::move(group)) {}
-    std::string group_name_;
-    ros::NodeHandle node_handle_;
-  };
-
+#if MOVEIT_OF_ROS == 1
   MoveGroupInterface(const std::string& group) : MoveGroupInterface(Options(group)) {}
-
   MoveGroupInterface(const Options& options)
-      : node_(options.node_handle_),
-        move_(node_, "move_group", false),
-        execute_(node_, "execute_trajectory", false)
+      : MoveGroupInterface(of_ros::Node(options.node_handle_), options.group_name_, "")
   {
-    model_ = moveit::core::RobotModel::get();
-    group_ = model_->getJointModelGroup(options.group_name_);
-    if (group_ == nullptr) {
-      const std::string error = "Group '" + options.group_name_ + "' was not found.";
-      ROS_FATAL_STREAM(error);
-      throw std::runtime_error(error);
-    }
-    tip_ = model_->tip(group_->getName());
-    frame_ = model_->getModelFrame();
-    const std::string defaults = "robot_description_planning/default_";
-    node_.param(defaults + "velocity_scaling_factor", velocity_, 0.1);
-    node_.param(defaults + "acceleration_scaling_factor", acceleration_, 0.1);
-    attached_ = node_.advertise<moveit_msgs::AttachedCollisionObject>("attached_collision_object", 1);
-    stop_ = node_.advertise<std_msgs::String>("trajectory_execution_event", 1);
-    cartesian_ = node_.serviceClient<moveit_msgs::GetCartesianPath>("compute_cartesian_path");
-    forward_ = node_.serviceClient<moveit_msgs::GetPositionFK>("compute_fk");
-    states_ = node_.subscribe("joint_states", 100, &MoveGroupInterface::heard, this);
-    connect(move_);
-    connect(execute_);
   }
+#else
+  MoveGroupInterface(const rclcpp::Node::SharedPtr& node, const std::string& group,
+                     const std::shared_ptr<tf2_ros::Buffer>& = nullptr,
+                     const rclcpp::Duration& = rclcpp::Duration::from_seconds(-1))
+      : MoveGroupInterface(node, Options(group))
+  {
+  }
+  MoveGroupInterface(const rclcpp::Node::SharedPtr& node, const Options& options,
+                     const std::shared_ptr<tf2_ros::Buffer>& = nullptr,
+                     const rclcpp::Duration& = rclcpp::Duration::from_seconds(-1))
+      : MoveGroupInterface(of_ros::Node(node), options.group_name, options.move_group_namespace)
+  {
+  }
+  const rclcpp::Node::SharedPtr& getNode() const { return node_.handle(); }
+#endif
   MoveGroupInterface(const MoveGroupInterface&) = delete;
   MoveGroupInterface& operator=(const MoveGroupInterface&) = delete;
 
@@ -80,6 +59,7 @@ class MoveGroupInterface {
   const std::vector<std::string>& getJoints() const { return group_->getVariableNames(); }
   const std::vector<std::string>& getActiveJoints() const { return group_->getVariableNames(); }
   const std::vector<std::string>& getVariableNames() const { return group_->getVariableNames(); }
+  unsigned int getVariableCount() const { return getVariableNames().size(); }
   const std::vector<std::string>& getJointModelGroupNames() const
   {
     if (names_.empty()) names_ = model_->getJointModelGroupNames();
@@ -98,8 +78,12 @@ class MoveGroupInterface {
   void setNumPlanningAttempts(unsigned int attempts) { attempts_ = attempts; }
   void setPlannerId(const std::string& planner) { planner_ = planner; }
   void setPlanningPipelineId(const std::string& pipeline) { pipeline_ = pipeline; }
-  void setMaxVelocityScalingFactor(double factor) { velocity_ = factor; }
-  void setMaxAccelerationScalingFactor(double factor) { acceleration_ = factor; }
+  const std::string& getPlannerId() const { return planner_; }
+  const std::string& getPlanningPipelineId() const { return pipeline_; }
+  void setMaxVelocityScalingFactor(double value) { velocity_ = factor("velocity", value); }
+  void setMaxAccelerationScalingFactor(double value) { acceleration_ = factor("acceleration", value); }
+  double getMaxVelocityScalingFactor() const { return velocity_; }
+  double getMaxAccelerationScalingFactor() const { return acceleration_; }
   void allowReplanning(bool replan) { replan_ = replan; }
   void allowLooking(bool look) { look_ = look; }
   void setGoalTolerance(double tolerance)
@@ -111,13 +95,16 @@ class MoveGroupInterface {
   void setGoalJointTolerance(double tolerance) { joint_tolerance_ = tolerance; }
   void setGoalPositionTolerance(double tolerance) { position_tolerance_ = tolerance; }
   void setGoalOrientationTolerance(double tolerance) { orientation_tolerance_ = tolerance; }
-  void setPathConstraints(const moveit_msgs::Constraints& constraints) { path_ = constraints; }
-  void clearPathConstraints() { path_ = moveit_msgs::Constraints(); }
+  double getGoalJointTolerance() const { return joint_tolerance_; }
+  double getGoalPositionTolerance() const { return position_tolerance_; }
+  double getGoalOrientationTolerance() const { return orientation_tolerance_; }
+  void setPathConstraints(const of_ros::moveit_msg::Constraints& constraints) { path_ = constraints; }
+  void clearPathConstraints() { path_ = of_ros::moveit_msg::Constraints(); }
   void setStartStateToCurrentState() { start_ = current(); }
-  void setStartState(const moveit_msgs::RobotState& state) { start_ = state; }
+  void setStartState(const of_ros::moveit_msg::RobotState& state) { start_ = state; }
   void setStartState(const moveit::core::RobotState& state)
   {
-    start_ = moveit_msgs::RobotState();
+    start_ = of_ros::moveit_msg::RobotState();
     start_.joint_state = state.message();
   }
 
@@ -137,113 +124,159 @@ class MoveGroupInterface {
   bool setNamedTarget(const std::string& name)
   {
     if (!model_->states(getName()).count(name)) {
-      ROS_ERROR("The requested named target '%s' does not exist", name.c_str());
+      node_.error("The requested named target '" + name + "' does not exist");
       return false;
     }
-    return setJointValueTarget(getNamedTargetValues(name));
+    setJointValueTarget(getNamedTargetValues(name));
+    return true;
   }
+  // Joints that are not named keep their target. Return whether all are within their limits.
   bool setJointValueTarget(const std::map<std::string, double>& values)
   {
-    // As in MoveIt: joints that are not named keep their target, at first where they are.
-    if (!hasJointTarget_) fillJoints();
-    for (const auto& value : values) joints_[value.first] = value.second;
-    return isJointTarget_ = true;
+    bool isWithin = isJointTarget_ = true;
+    for (auto& joint : joints_) {
+      const auto value = values.find(joint.first);
+      if (value != values.end()) joint.second = value->second;
+      isWithin = isWithin && model_->isWithin(joint.first, joint.second, joint_tolerance_);
+    }
+    return isWithin;
   }
   bool setJointValueTarget(const std::vector<double>& values)
   {
-    if (values.size() != getVariableNames().size()) return false;
+    return values.size() == getVariableNames().size() && setJointValueTarget(getVariableNames(), values);
+  }
+  bool setJointValueTarget(const std::vector<std::string>& joints, const std::vector<double>& values)
+  {
     std::map<std::string, double> named;
-    for (std::size_t i = 0; i < values.size(); ++i) named[getVariableNames()[i]] = values[i];
-    hasJointTarget_ = true;
+    for (std::size_t i = 0; i < joints.size() && i < values.size(); ++i) named[joints[i]] = values[i];
     return setJointValueTarget(named);
+  }
+  bool setJointValueTarget(const of_ros::sensor_msg::JointState& state)
+  {
+    return setJointValueTarget(state.name, state.position);
+  }
+  bool setJointValueTarget(const moveit::core::RobotState& state)
+  {
+    std::vector<double> values;
+    state.copyJointGroupPositions(group_, values);
+    return setJointValueTarget(values);
   }
   bool setJointValueTarget(const std::string& joint, double value)
   {
     return setJointValueTarget(std::map<std::string, double>{{joint, value}});
   }
-  bool setPoseTarget(const geometry_msgs::PoseStamped& pose, const std::string& link = "")
+  bool setPoseTarget(const of_ros::geometry_msg::PoseStamped& pose, const std::string& link = "")
   {
+    const std::string& frame = pose.header.frame_id.empty() ? frame_ : pose.header.frame_id;
     usePose();
-    addPosition(pose.header.frame_id.empty() ? frame_ : pose.header.frame_id, pose.pose.position, link);
-    addOrientation(pose.header.frame_id.empty() ? frame_ : pose.header.frame_id,
-                   pose.pose.orientation, link);
+    pose_.position_constraints = {
+        positionConstraint(frame, pose.pose.position, carried(link), position_tolerance_)};
+    pose_.orientation_constraints = {
+        orientationConstraint(frame, pose.pose.orientation, carried(link), orientation_tolerance_)};
     return true;
   }
-  bool setPoseTarget(const geometry_msgs::Pose& pose, const std::string& link = "")
+  bool setPoseTarget(const of_ros::geometry_msg::Pose& pose, const std::string& link = "")
   {
-    geometry_msgs::PoseStamped stamped;
+    of_ros::geometry_msg::PoseStamped stamped;
     stamped.pose = pose;
     return setPoseTarget(stamped, link);
   }
   bool setPositionTarget(double x, double y, double z, const std::string& link = "")
   {
-    geometry_msgs::Point point;
+    of_ros::geometry_msg::Point point;
     point.x = x, point.y = y, point.z = z;
     usePose();
-    addPosition(frame_, point, link);
+    pose_.position_constraints = {positionConstraint(frame_, point, carried(link), position_tolerance_)};
     return true;
   }
-  void clearPoseTargets() { pose_ = moveit_msgs::Constraints(); }
+  bool setOrientationTarget(double x, double y, double z, double w, const std::string& link = "")
+  {
+    of_ros::geometry_msg::Quaternion turn;
+    turn.x = x, turn.y = y, turn.z = z, turn.w = w;
+    usePose();
+    pose_.orientation_constraints = {
+        orientationConstraint(frame_, turn, carried(link), orientation_tolerance_)};
+    return true;
+  }
+  bool setRPYTarget(double roll, double pitch, double yaw, const std::string& link = "")
+  {
+    const double a = std::cos(roll / 2), b = std::cos(pitch / 2), c = std::cos(yaw / 2);
+    const double x = std::sin(roll / 2), y = std::sin(pitch / 2), z = std::sin(yaw / 2);
+    return setOrientationTarget(x * b * c - a * y * z, a * y * c + x * b * z, a * b * z - x * y * c,
+                                a * b * c + x * y * z, link);
+  }
+  void clearPoseTargets() { pose_ = of_ros::moveit_msg::Constraints(); }
   void clearPoseTarget(const std::string& = "") { clearPoseTargets(); }
 
   // Planning and moving.
   MoveItErrorCode plan(Plan& plan)
   {
-    moveit_msgs::MoveGroupGoal goal = request(true);
-    const MoveItErrorCode code = sent(move_, goal, true);
-    if (const auto result = move_.getResult()) {
-      plan.start_state_ = result->trajectory_start;
-      plan.trajectory_ = result->planned_trajectory;
-      plan.planning_time_ = result->planning_time;
-    }
-    return code;
+    const auto result = move_.result(request(true));
+    if (code(result)) plan.set(*result);
+    return code(result);
   }
-  MoveItErrorCode move() { return sent(move_, request(false), true); }
-  MoveItErrorCode asyncMove() { return sent(move_, request(false), false); }
-  MoveItErrorCode execute(const Plan& plan) { return execute(plan.trajectory_); }
-  MoveItErrorCode asyncExecute(const Plan& plan) { return asyncExecute(plan.trajectory_); }
-  MoveItErrorCode execute(const moveit_msgs::RobotTrajectory& trajectory)
+  MoveItErrorCode move() { return code(move_.result(request(false))); }
+  MoveItErrorCode asyncMove() { return move_.send(request(false)), MoveItErrorCode::SUCCESS; }
+  MoveItErrorCode execute(const Plan& plan) { return execute(plan.planned()); }
+  MoveItErrorCode asyncExecute(const Plan& plan) { return asyncExecute(plan.planned()); }
+  MoveItErrorCode execute(const of_ros::moveit_msg::RobotTrajectory& trajectory)
   {
-    return sent(execute_, execution(trajectory), true);
+    return code(execute_.result(execution(trajectory)));
   }
-  MoveItErrorCode asyncExecute(const moveit_msgs::RobotTrajectory& trajectory)
+  MoveItErrorCode asyncExecute(const of_ros::moveit_msg::RobotTrajectory& trajectory)
   {
-    return sent(execute_, execution(trajectory), false);
+    return execute_.send(execution(trajectory)), MoveItErrorCode::SUCCESS;
   }
-  double computeCartesianPath(const std::vector<geometry_msgs::Pose>& waypoints, double step,
-                              double jump, moveit_msgs::RobotTrajectory& trajectory,
-                              bool avoid = true, moveit_msgs::MoveItErrorCodes* code = nullptr)
+  double computeCartesianPath(const std::vector<of_ros::geometry_msg::Pose>& waypoints, double step,
+                              double jump, of_ros::moveit_msg::RobotTrajectory& trajectory,
+                              bool avoid = true, of_ros::moveit_msg::MoveItErrorCodes* code = nullptr)
   {
-    return computeCartesianPath(waypoints, step, jump, trajectory, moveit_msgs::Constraints(), avoid,
+    return computeCartesianPath(waypoints, step, jump, trajectory, of_ros::moveit_msg::Constraints(), avoid,
                                 code);
   }
-  double computeCartesianPath(const std::vector<geometry_msgs::Pose>& waypoints, double step,
-                              double jump, moveit_msgs::RobotTrajectory& trajectory,
-                              const moveit_msgs::Constraints& path, bool avoid = true,
-                              moveit_msgs::MoveItErrorCodes* code = nullptr)
+  double computeCartesianPath(const std::vector<of_ros::geometry_msg::Pose>& waypoints, double step,
+                              double jump, of_ros::moveit_msg::RobotTrajectory& trajectory,
+                              const of_ros::moveit_msg::Constraints& path, bool avoid = true,
+                              of_ros::moveit_msg::MoveItErrorCodes* code = nullptr)
   {
-    moveit_msgs::GetCartesianPath call;
-    call.request.start_state = start_;
-    call.request.group_name = getName();
-    call.request.header.frame_id = frame_;
-    call.request.header.stamp = ros::Time::now();
-    call.request.waypoints = waypoints;
-    call.request.max_step = step;
-    call.request.jump_threshold = jump;
-    call.request.path_constraints = path;
-    call.request.avoid_collisions = avoid;
-    call.request.link_name = tip_;
-    const bool isCalled = cartesian_.call(call);
-    if (code != nullptr) *code = call.response.error_code;
-    if (!isCalled || call.response.error_code.val != moveit_msgs::MoveItErrorCodes::SUCCESS) return -1.0;
-    trajectory = call.response.solution;
-    return call.response.fraction;
+    of_ros::moveit_srv::GetCartesianPath::Request request;
+    of_ros::moveit_srv::GetCartesianPath::Response response;
+    request.start_state = start_;
+    request.group_name = getName();
+    request.header.frame_id = frame_;
+    request.header.stamp = node_.now();
+    request.waypoints = waypoints;
+    request.max_step = step;
+    request.jump_threshold = jump;
+    request.path_constraints = path;
+    request.avoid_collisions = avoid;
+    request.link_name = tip_;
+    const bool isCalled = cartesian_(request, response);
+    if (code != nullptr) *code = response.error_code;
+    if (!isCalled || response.error_code.val != MoveItErrorCode::SUCCESS) return -1.0;
+    trajectory = response.solution;
+    return response.fraction;
   }
+#if MOVEIT_OF_ROS == 2
+  double computeCartesianPath(const std::vector<of_ros::geometry_msg::Pose>& waypoints, double step,
+                              of_ros::moveit_msg::RobotTrajectory& trajectory, bool avoid = true,
+                              of_ros::moveit_msg::MoveItErrorCodes* code = nullptr)
+  {
+    return computeCartesianPath(waypoints, step, 0.0, trajectory, avoid, code);
+  }
+  double computeCartesianPath(const std::vector<of_ros::geometry_msg::Pose>& waypoints, double step,
+                              of_ros::moveit_msg::RobotTrajectory& trajectory,
+                              const of_ros::moveit_msg::Constraints& path, bool avoid = true,
+                              of_ros::moveit_msg::MoveItErrorCodes* code = nullptr)
+  {
+    return computeCartesianPath(waypoints, step, 0.0, trajectory, path, avoid, code);
+  }
+#endif
   void stop()
   {
-    std_msgs::String event;
+    of_ros::std_msg::String event;
     event.data = "stop";
-    stop_.publish(event);
+    event_(event);
   }
 
   // Where the robot is.
@@ -251,12 +284,12 @@ class MoveGroupInterface {
   moveit::core::RobotStatePtr getCurrentState(double seconds = 1.0) const
   {
     if (!hasState(seconds)) {
-      ROS_ERROR("Failed to fetch current robot state");
+      node_.error("Failed to fetch current robot state");
       return nullptr;
     }
-    std::lock_guard<std::mutex> lock(mutex_);
+    std::lock_guard<std::mutex> lock(heard_->mutex);
     auto state = std::make_shared<moveit::core::RobotState>(model_);
-    for (const auto& one : heard_) state->setVariablePosition(one.first, one.second);
+    for (const auto& one : heard_->positions) state->setVariablePosition(one.first, one.second);
     return state;
   }
   std::vector<double> getCurrentJointValues() const
@@ -265,68 +298,108 @@ class MoveGroupInterface {
     if (const auto state = getCurrentState()) state->copyJointGroupPositions(group_, values);
     return values;
   }
-  geometry_msgs::PoseStamped getCurrentPose(const std::string& link = "") const
+  of_ros::geometry_msg::PoseStamped getCurrentPose(const std::string& link = "") const
   {
-    moveit_msgs::GetPositionFK call;
-    call.request.header.frame_id = getPlanningFrame();
-    call.request.fk_link_names = {link.empty() ? tip_ : link};
-    if (const auto state = getCurrentState()) {
-      call.request.robot_state.joint_state = state->message();
+    of_ros::moveit_srv::GetPositionFK::Request request;
+    of_ros::moveit_srv::GetPositionFK::Response response;
+    request.header.frame_id = getPlanningFrame();
+    request.fk_link_names = {carried(link)};
+    if (const auto state = getCurrentState()) request.robot_state.joint_state = state->message();
+    if (!forward_(request, response) || response.pose_stamped.empty()) {
+      node_.error("no pose of " + request.fk_link_names[0] + " is known");
+      return of_ros::geometry_msg::PoseStamped();
     }
-    if (!forward_.call(call) || call.response.pose_stamped.empty()) {
-      ROS_ERROR("no pose of %s is known", call.request.fk_link_names[0].c_str());
-      return geometry_msgs::PoseStamped();
-    }
-    return call.response.pose_stamped[0];
+    return response.pose_stamped[0];
   }
 
   // Objects in the hand.
   bool attachObject(const std::string& object, const std::string& link = "",
                     const std::vector<std::string>& touched = {})
   {
-    moveit_msgs::AttachedCollisionObject attached;
-    attached.link_name = link.empty() ? tip_ : link;
+    of_ros::moveit_msg::AttachedCollisionObject attached;
+    attached.link_name = carried(link);
     attached.object.id = object;
-    attached.object.operation = moveit_msgs::CollisionObject::ADD;
+    attached.object.operation = of_ros::moveit_msg::CollisionObject::ADD;
     attached.touch_links = touched.empty() ? std::vector<std::string>{attached.link_name} : touched;
-    attached_.publish(attached);
+    attach_(attached);
     return true;
   }
   bool detachObject(const std::string& object = "")
   {
-    moveit_msgs::AttachedCollisionObject attached;
+    of_ros::moveit_msg::AttachedCollisionObject attached;
     attached.object.id = object;
-    attached.object.operation = moveit_msgs::CollisionObject::REMOVE;
-    attached_.publish(attached);
+    attached.object.operation = of_ros::moveit_msg::CollisionObject::REMOVE;
+    attach_(attached);
     return true;
   }
 
  private:
-  template <typename Client>
-  void connect(Client& client) const
+  // Where the joints are, as it was heard last.
+  struct Heard {
+    std::mutex mutex;
+    std::map<std::string, double> positions;
+    std::int64_t stamp = 0;
+  };
+
+  MoveGroupInterface(const of_ros::Node& node, const std::string& group, const std::string& space)
+      : node_(node),
+        model_(moveit::core::RobotModel::get(node_)),
+        group_(existing(group)),
+        move_(node_, inside(space)),
+        execute_(node_, inside(space)),
+        attach_(node_.publisher<of_ros::moveit_msg::AttachedCollisionObject>(
+            inside(space) + "attached_collision_object")),
+        event_(node_.publisher<of_ros::std_msg::String>(inside(space) + "trajectory_execution_event")),
+        cartesian_(node_.client<of_ros::moveit_srv::GetCartesianPath>(
+            inside(space) + "compute_cartesian_path")),
+        forward_(node_.client<of_ros::moveit_srv::GetPositionFK>(inside(space) + "compute_fk")),
+        tip_(model_->tip(group)),
+        frame_(model_->getModelFrame()),
+        velocity_(usual("velocity")),
+        acceleration_(usual("acceleration"))
   {
-    auto* queue = dynamic_cast<ros::CallbackQueue*>(node_.getCallbackQueue());
-    while (node_.ok() && !client.isServerConnected()) {
-      ros::WallDuration(0.005).sleep();
-      if (queue != nullptr) queue->callAvailable();
-    }
+    for (const std::string& joint : getVariableNames()) joints_[joint] = model_->usual(joint);
+    const auto heard = heard_;
+    states_ = node_.subscription<of_ros::sensor_msg::JointState>(
+        "joint_states", [heard](const of_ros::sensor_msg::JointState& state) {
+          std::lock_guard<std::mutex> lock(heard->mutex);
+          for (std::size_t i = 0; i < state.position.size(); ++i) {
+            heard->positions[state.name[i]] = state.position[i];
+          }
+          heard->stamp = of_ros::nanoseconds(state.header.stamp);
+        });
   }
 
-  // As in MoveIt the user's own spinner takes the results: without one, this waits for ever.
-  template <typename Client, typename Goal>
-  MoveItErrorCode sent(Client& client, const Goal& goal, bool waits)
+  static std::string inside(const std::string& space) { return space.empty() ? "" : space + "/"; }
+
+  const moveit::core::JointModelGroup* existing(const std::string& name) const
   {
-    client.sendGoal(goal);
-    if (!waits) return MoveItErrorCode::SUCCESS;
-    while (node_.ok() && !client.getState().isDone()) ros::WallDuration(0.002).sleep();
-    const auto result = client.getResult();
+    const auto* group = model_->getJointModelGroup(name);
+    if (group != nullptr) return group;
+    const std::string error = "Group '" + name + "' was not found.";
+    node_.fatal(error);
+    throw std::runtime_error(error);
+  }
+
+  double usual(const std::string& of) const
+  {
+    return node_.number("robot_description_planning", "default_" + of + "_scaling_factor", 0.1);
+  }
+  double factor(const std::string& of, double value) const
+  {
+    return value > 1.0 ? 1.0 : value > 0.0 ? value : usual(of);
+  }
+
+  template <typename Kind>
+  static MoveItErrorCode code(const std::shared_ptr<Kind>& result)
+  {
     return result ? MoveItErrorCode(result->error_code) : MoveItErrorCode::FAILURE;
   }
 
-  moveit_msgs::MoveGroupGoal request(bool isPlanOnly) const
+  of_ros::MoveGroup::Goal request(bool isPlanOnly) const
   {
-    moveit_msgs::MoveGroupGoal goal;
-    moveit_msgs::MotionPlanRequest& request = goal.request;
+    of_ros::MoveGroup::Goal goal;
+    of_ros::moveit_msg::MotionPlanRequest& request = goal.request;
     request.group_name = getName();
     request.start_state = start_;
     request.num_planning_attempts = attempts_;
@@ -336,7 +409,7 @@ class MoveGroupInterface {
     request.max_velocity_scaling_factor = velocity_;
     request.max_acceleration_scaling_factor = acceleration_;
     request.path_constraints = path_;
-    request.goal_constraints = {isJointTarget_ ? jointTarget() : pose_};
+    request.goal_constraints = {isJointTarget_ ? jointConstraints(joints_, joint_tolerance_) : pose_};
     goal.planning_options.plan_only = isPlanOnly;
     goal.planning_options.look_around = look_;
     goal.planning_options.replan = replan_;
@@ -345,123 +418,64 @@ class MoveGroupInterface {
     return goal;
   }
 
-  static moveit_msgs::ExecuteTrajectoryGoal execution(const moveit_msgs::RobotTrajectory& trajectory)
+  static of_ros::ExecuteTrajectory::Goal execution(const of_ros::moveit_msg::RobotTrajectory& trajectory)
   {
-    moveit_msgs::ExecuteTrajectoryGoal goal;
+    of_ros::ExecuteTrajectory::Goal goal;
     goal.trajectory = trajectory;
     return goal;
   }
 
-  moveit_msgs::Constraints jointTarget() const
-  {
-    moveit_msgs::Constraints constraints;
-    for (const auto& joint : joints_) {
-      moveit_msgs::JointConstraint constraint;
-      constraint.joint_name = joint.first;
-      constraint.position = joint.second;
-      constraint.tolerance_above = constraint.tolerance_below = joint_tolerance_;
-      constraint.weight = 1.0;
-      constraints.joint_constraints.push_back(constraint);
-    }
-    return constraints;
-  }
-
-  void fillJoints()
-  {
-    const auto state = getCurrentState();
-    if (state) {
-      for (const std::string& name : getVariableNames()) joints_[name] = state->getVariablePosition(name);
-    }
-    hasJointTarget_ = static_cast<bool>(state);
-  }
+  const std::string& carried(const std::string& link) const { return link.empty() ? tip_ : link; }
 
   void usePose()
   {
-    pose_ = moveit_msgs::Constraints();
+    pose_ = of_ros::moveit_msg::Constraints();
     isJointTarget_ = false;
   }
 
-  void addPosition(const std::string& frame, const geometry_msgs::Point& point, const std::string& link)
+  static of_ros::moveit_msg::RobotState current()
   {
-    moveit_msgs::PositionConstraint constraint;
-    constraint.header.frame_id = frame;
-    constraint.link_name = link.empty() ? tip_ : link;
-    shape_msgs::SolidPrimitive sphere;
-    sphere.type = shape_msgs::SolidPrimitive::SPHERE;
-    sphere.dimensions = {position_tolerance_};
-    geometry_msgs::Pose centre;
-    centre.position = point;
-    centre.orientation.w = 1.0;
-    constraint.constraint_region.primitives = {sphere};
-    constraint.constraint_region.primitive_poses = {centre};
-    constraint.weight = 1.0;
-    pose_.position_constraints = {constraint};
-  }
-
-  void addOrientation(const std::string& frame, const geometry_msgs::Quaternion& turn,
-                      const std::string& link)
-  {
-    moveit_msgs::OrientationConstraint constraint;
-    constraint.header.frame_id = frame;
-    constraint.link_name = link.empty() ? tip_ : link;
-    constraint.orientation = turn;
-    constraint.absolute_x_axis_tolerance = orientation_tolerance_;
-    constraint.absolute_y_axis_tolerance = orientation_tolerance_;
-    constraint.absolute_z_axis_tolerance = orientation_tolerance_;
-    constraint.weight = 1.0;
-    pose_.orientation_constraints = {constraint};
-  }
-
-  static moveit_msgs::RobotState current()
-  {
-    moveit_msgs::RobotState state;
+    of_ros::moveit_msg::RobotState state;
     state.is_diff = true;
     return state;
-  }
-
-  void heard(const sensor_msgs::JointState& state)
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    for (std::size_t i = 0; i < state.position.size(); ++i) heard_[state.name[i]] = state.position[i];
-    stamp_ = state.header.stamp;
   }
 
   // Whether a state has come that is not older than this call, which waits for one.
   bool hasState(double seconds) const
   {
-    const ros::Time now = ros::Time::now();
+    const std::int64_t now = of_ros::nanoseconds(node_.now());
     const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds + 9.0);
     while (node_.ok() && std::chrono::steady_clock::now() < until) {
       {
-        std::lock_guard<std::mutex> lock(mutex_);
-        if (!heard_.empty() && stamp_ >= now) return true;
+        std::lock_guard<std::mutex> lock(heard_->mutex);
+        if (!heard_->positions.empty() && heard_->stamp >= now) return true;
       }
-      if (ros::Time::now() - now > ros::Duration(seconds)) return false;
-      ros::WallDuration(0.002).sleep();
+      if (of_ros::nanoseconds(node_.now()) - now > static_cast<std::int64_t>(seconds * 1e9)) return false;
+      node_.pause();
     }
     return false;
   }
 
-  ros::NodeHandle node_;
-  actionlib::SimpleActionClient<moveit_msgs::MoveGroupAction> move_;
-  actionlib::SimpleActionClient<moveit_msgs::ExecuteTrajectoryAction> execute_;
-  ros::Publisher attached_, stop_;
-  ros::Subscriber states_;
-  mutable ros::ServiceClient cartesian_, forward_;
+  of_ros::Node node_;
   moveit::core::RobotModelConstPtr model_;
-  const moveit::core::JointModelGroup* group_ = nullptr;
+  const moveit::core::JointModelGroup* group_;
+  of_ros::Action<of_ros::MoveGroup> move_;
+  of_ros::Action<of_ros::ExecuteTrajectory> execute_;
+  std::function<void(const of_ros::moveit_msg::AttachedCollisionObject&)> attach_;
+  std::function<void(const of_ros::std_msg::String&)> event_;
+  of_ros::Client<of_ros::moveit_srv::GetCartesianPath> cartesian_;
+  of_ros::Client<of_ros::moveit_srv::GetPositionFK> forward_;
   mutable std::vector<std::string> names_;
   std::string tip_, frame_, planner_, pipeline_;
-  double time_ = 5.0, velocity_ = 0.1, acceleration_ = 0.1;
+  double time_ = 5.0, velocity_, acceleration_;
   double joint_tolerance_ = 1e-4, position_tolerance_ = 1e-4, orientation_tolerance_ = 1e-3;
   unsigned int attempts_ = 1;
-  bool replan_ = false, look_ = false, isJointTarget_ = true, hasJointTarget_ = false;
-  moveit_msgs::RobotState start_ = current();
-  moveit_msgs::Constraints pose_, path_;
+  bool replan_ = false, look_ = false, isJointTarget_ = true;
+  of_ros::moveit_msg::RobotState start_ = current();
+  of_ros::moveit_msg::Constraints pose_, path_;
   std::map<std::string, double> joints_;
-  mutable std::mutex mutex_;
-  std::map<std::string, double> heard_;
-  ros::Time stamp_;
+  const std::shared_ptr<Heard> heard_ = std::make_shared<Heard>();
+  std::shared_ptr<void> states_;
 };
 
 typedef std::shared_ptr<MoveGroupInterface> MoveGroupInterfacePtr;

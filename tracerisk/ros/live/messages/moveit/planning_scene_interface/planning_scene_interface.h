@@ -1,83 +1,106 @@
 // MoveIt's PlanningSceneInterface for machines without MoveIt: see move_group_interface.h.
 #pragma once
 
+#include <algorithm>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
-#include <moveit_msgs/ApplyPlanningScene.h>
-#include <moveit_msgs/CollisionObject.h>
-#include <moveit_msgs/GetPlanningScene.h>
-#include <ros/ros.h>
+#include <moveit/of_ros/of_ros.h>
 
 namespace moveit {
 namespace planning_interface {
 
 class PlanningSceneInterface {
  public:
-  explicit PlanningSceneInterface(const std::string& space = "", bool = true) : node_(space)
+  explicit PlanningSceneInterface(const std::string& space = "", bool waits = true)
+      : node_(space),
+        apply_(node_.client<of_ros::moveit_srv::ApplyPlanningScene>("apply_planning_scene", waits)),
+        get_(node_.client<of_ros::moveit_srv::GetPlanningScene>("get_planning_scene", waits)),
+        scene_(node_.publisher<of_ros::moveit_msg::PlanningScene>("planning_scene"))
   {
-    apply_ = node_.serviceClient<moveit_msgs::ApplyPlanningScene>("apply_planning_scene");
-    get_ = node_.serviceClient<moveit_msgs::GetPlanningScene>("get_planning_scene");
-    scene_ = node_.advertise<moveit_msgs::PlanningScene>("planning_scene", 1);
-    apply_.waitForExistence();
   }
 
   std::vector<std::string> getKnownObjectNames(bool = false)
   {
-    moveit_msgs::GetPlanningScene call;
-    call.request.components.components = moveit_msgs::PlanningSceneComponents::WORLD_OBJECT_NAMES;
     std::vector<std::string> names;
-    if (!get_.call(call)) return names;
-    for (const auto& object : call.response.scene.world.collision_objects) names.push_back(object.id);
+    for (const auto& object : world(of_ros::moveit_msg::PlanningSceneComponents::WORLD_OBJECT_NAMES)) {
+      names.push_back(object.id);
+    }
     return names;
   }
-  bool applyCollisionObject(const moveit_msgs::CollisionObject& object)
+  // Return the objects of those names, or all.
+  std::map<std::string, of_ros::moveit_msg::CollisionObject> getObjects(
+      const std::vector<std::string>& names = {})
+  {
+    std::map<std::string, of_ros::moveit_msg::CollisionObject> objects;
+    for (const auto& object : world(of_ros::moveit_msg::PlanningSceneComponents::WORLD_OBJECT_GEOMETRY)) {
+      if (names.empty() || std::find(names.begin(), names.end(), object.id) != names.end()) {
+        objects[object.id] = object;
+      }
+    }
+    return objects;
+  }
+  bool applyCollisionObject(const of_ros::moveit_msg::CollisionObject& object)
   {
     return applyCollisionObjects({object});
   }
-  bool applyCollisionObjects(const std::vector<moveit_msgs::CollisionObject>& objects)
+  bool applyCollisionObjects(const std::vector<of_ros::moveit_msg::CollisionObject>& objects)
   {
     return applyPlanningScene(with(objects));
   }
-  bool applyAttachedCollisionObject(const moveit_msgs::AttachedCollisionObject& object)
+  bool applyAttachedCollisionObject(const of_ros::moveit_msg::AttachedCollisionObject& object)
   {
-    moveit_msgs::PlanningScene scene = with({});
+    of_ros::moveit_msg::PlanningScene scene = with({});
     scene.robot_state.attached_collision_objects = {object};
     return applyPlanningScene(scene);
   }
-  bool applyPlanningScene(const moveit_msgs::PlanningScene& scene)
+  bool applyPlanningScene(const of_ros::moveit_msg::PlanningScene& scene)
   {
-    moveit_msgs::ApplyPlanningScene call;
-    call.request.scene = scene;
-    return apply_.call(call) && call.response.success;
+    of_ros::moveit_srv::ApplyPlanningScene::Request request;
+    of_ros::moveit_srv::ApplyPlanningScene::Response response;
+    request.scene = scene;
+    return apply_(request, response) && response.success;
   }
-  void addCollisionObjects(const std::vector<moveit_msgs::CollisionObject>& objects)
+  void addCollisionObjects(const std::vector<of_ros::moveit_msg::CollisionObject>& objects)
   {
-    scene_.publish(with(objects));
+    scene_(with(objects));
   }
   void removeCollisionObjects(const std::vector<std::string>& names)
   {
-    std::vector<moveit_msgs::CollisionObject> objects(names.size());
+    std::vector<of_ros::moveit_msg::CollisionObject> objects(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
       objects[i].id = names[i];
-      objects[i].operation = moveit_msgs::CollisionObject::REMOVE;
+      objects[i].operation = of_ros::moveit_msg::CollisionObject::REMOVE;
     }
     addCollisionObjects(objects);
   }
 
  private:
-  static moveit_msgs::PlanningScene with(const std::vector<moveit_msgs::CollisionObject>& objects)
+  static of_ros::moveit_msg::PlanningScene with(
+      const std::vector<of_ros::moveit_msg::CollisionObject>& objects)
   {
-    moveit_msgs::PlanningScene scene;
+    of_ros::moveit_msg::PlanningScene scene;
     scene.world.collision_objects = objects;
     scene.robot_state.is_diff = true;
     scene.is_diff = true;
     return scene;
   }
 
-  ros::NodeHandle node_;
-  ros::ServiceClient apply_, get_;
-  ros::Publisher scene_;
+  std::vector<of_ros::moveit_msg::CollisionObject> world(unsigned int components)
+  {
+    of_ros::moveit_srv::GetPlanningScene::Request request;
+    of_ros::moveit_srv::GetPlanningScene::Response response;
+    request.components.components = components;
+    get_(request, response);
+    return response.scene.world.collision_objects;
+  }
+
+  of_ros::Node node_;
+  of_ros::Client<of_ros::moveit_srv::ApplyPlanningScene> apply_;
+  of_ros::Client<of_ros::moveit_srv::GetPlanningScene> get_;
+  std::function<void(const of_ros::moveit_msg::PlanningScene&)> scene_;
 };
 
 }  // namespace planning_interface

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -9,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <ros/ros.h>
+#include <moveit/of_ros/of_ros.h>
 
 namespace moveit {
 namespace core {
@@ -32,9 +33,10 @@ class JointModelGroup {
 // The groups, named states and end effectors of the robot, as its parameters describe them.
 class RobotModel {
  public:
-  static std::shared_ptr<const RobotModel> get()
+  // Return the robot, which is read when it is first asked for.
+  static std::shared_ptr<const RobotModel> get(const of_ros::Node& node)
   {
-    static const std::shared_ptr<const RobotModel> model(new RobotModel);
+    static const std::shared_ptr<const RobotModel> model(new RobotModel(node));
     return model;
   }
   const JointModelGroup* getJointModelGroup(const std::string& name) const
@@ -58,6 +60,24 @@ class RobotModel {
     const auto found = tips_.find(group);
     return found == tips_.end() ? "" : found->second;
   }
+  // Whether a joint can be at a position, to within a tolerance.
+  bool isWithin(const std::string& joint, double position, double tolerance) const
+  {
+    for (const auto& one : joints_) {
+      if (one.second.name != joint) continue;
+      return position >= one.second.lower - tolerance && position <= one.second.upper + tolerance;
+    }
+    return false;
+  }
+  // Where a joint is unless something says otherwise: at zero, or midway where that is out of limits.
+  double usual(const std::string& joint) const
+  {
+    if (isWithin(joint, 0.0, 0.0)) return 0.0;
+    for (const auto& one : joints_) {
+      if (one.second.name == joint) return (one.second.lower + one.second.upper) / 2.0;
+    }
+    return 0.0;
+  }
   const std::string& getModelFrame() const { return root_; }
   const std::string& getName() const { return name_; }
 
@@ -65,15 +85,17 @@ class RobotModel {
   typedef std::map<std::string, std::string> Tag;
   struct Joint {
     std::string name, parent, child;
-    bool moves;
+    bool moves = false;
+    double lower = -std::numeric_limits<double>::infinity();
+    double upper = std::numeric_limits<double>::infinity();
   };
 
-  RobotModel()
+  explicit RobotModel(const of_ros::Node& node)
   {
-    std::string urdf, srdf;
-    if (!ros::param::get("robot_description", urdf) ||
-        !ros::param::get("robot_description_semantic", srdf)) {
-      ROS_FATAL("robot_description or robot_description_semantic is not set");
+    const std::string urdf = node.description("robot_description");
+    const std::string srdf = node.description("robot_description_semantic");
+    if (urdf.empty() || srdf.empty()) {
+      node.fatal("robot_description or robot_description_semantic is not set");
       throw std::runtime_error("Unable to construct robot model");
     }
     Joint joint;
@@ -81,11 +103,16 @@ class RobotModel {
     for (const Tag& tag : tags(urdf)) {
       const std::string& is = tag.at("<");
       if (is == "robot" && tag.count("name")) name_ = tag.at("name");
-      if (is == "joint" && tag.count("type")) joint = {tag.at("name"), "", "", moves(tag.at("type"))};
+      if (is == "joint" && tag.count("type")) {
+        joint.name = tag.at("name");
+        joint.moves = moves(tag.at("type"));
+      }
       if (is == "parent" && tag.count("link")) joint.parent = tag.at("link");
       if (is == "child" && tag.count("link")) joint.child = tag.at("link");
       if (is == "mimic") joint.moves = false;
-      if (is == "/joint" && !joint.child.empty()) joints_[joint.child] = joint, joint = {};
+      if (is == "limit" && tag.count("lower")) joint.lower = std::stod(tag.at("lower"));
+      if (is == "limit" && tag.count("upper")) joint.upper = std::stod(tag.at("upper"));
+      if (is == "/joint" && !joint.child.empty()) joints_[joint.child] = joint, joint = Joint();
     }
     for (const auto& one : joints_) children.insert(one.first);
     for (const auto& one : joints_) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <moveit/of_ros/of_ros.h>
 #include <moveit/robot_model/robot_model.h>
-#include <sensor_msgs/JointState.h>
 
 namespace moveit {
 namespace core {
@@ -15,7 +15,7 @@ namespace core {
 // Where the joints are.
 class RobotState {
  public:
-  explicit RobotState(const RobotModelConstPtr& model = RobotModel::get()) : model_(model) {}
+  explicit RobotState(const RobotModelConstPtr& model) : model_(model) {}
   const RobotModelConstPtr& getRobotModel() const { return model_; }
   const JointModelGroup* getJointModelGroup(const std::string& name) const
   {
@@ -40,9 +40,9 @@ class RobotState {
   }
   double getVariablePosition(const std::string& name) const { return positions_.at(name); }
   void setVariablePosition(const std::string& name, double value) { positions_[name] = value; }
-  sensor_msgs::JointState message() const
+  of_ros::sensor_msg::JointState message() const
   {
-    sensor_msgs::JointState state;
+    of_ros::sensor_msg::JointState state;
     for (const auto& one : positions_) {
       state.name.push_back(one.first);
       state.position.push_back(one.second);
