@@ -19,6 +19,14 @@ from shape_msgs.msg import SolidPrimitive
 READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
 ASIDE = (0.4, -0.6, 0.0, -2.2, 0.0, 1.6, 0.785)
 TIP = "panda_link8"
+SERVICES = {
+    "apply_planning_scene": ApplyPlanningScene,
+    "compute_cartesian_path": GetCartesianPath,
+    "compute_fk": GetPositionFK,
+    "compute_ik": GetPositionIK,
+    "get_planning_scene": GetPlanningScene,
+    "plan_kinematic_path": GetMotionPlan,
+}
 
 
 class Cell(Node):
@@ -28,11 +36,13 @@ class Cell(Node):
         self.executor_of_plans = ActionClient(self, ExecuteTrajectory, "execute_trajectory")
         self.mover.wait_for_server()
         self.executor_of_plans.wait_for_server()
+        # At first: while nodes look for each other, the arm holds still for as long as it takes.
+        self.services_of = {name: self.create_client(kind, name) for name, kind in SERVICES.items()}
+        for client in self.services_of.values():
+            client.wait_for_service()
 
-    def call(self, kind, name, request):
-        client = self.create_client(kind, name)
-        client.wait_for_service()
-        future = client.call_async(request)
+    def call(self, name, request):
+        future = self.services_of[name].call_async(request)
         rclpy.spin_until_future_complete(self, future)
         return future.result()
 
@@ -82,7 +92,7 @@ class Cell(Node):
         pose = self.where()
         pose.position.z -= 0.1
         request.waypoints, request.avoid_collisions = [pose], True
-        path = self.call(GetCartesianPath, "compute_cartesian_path", request)
+        path = self.call("compute_cartesian_path", request)
         print(f"> straight {path.fraction:.2f}")
         goal = ExecuteTrajectory.Goal(trajectory=path.solution)
         print("> lowered", self.result(self.executor_of_plans, goal).error_code.val)
@@ -91,7 +101,7 @@ class Cell(Node):
     def where(self) -> Pose:
         request = GetPositionFK.Request(fk_link_names=[TIP])
         request.robot_state.is_diff = True
-        return self.call(GetPositionFK, "compute_fk", request).pose_stamped[0].pose
+        return self.call("compute_fk", request).pose_stamped[0].pose
 
     def solutions(self):
         request = GetPositionIK.Request()
@@ -99,12 +109,12 @@ class Cell(Node):
         request.ik_request.robot_state.is_diff = True
         request.ik_request.pose_stamped.header.frame_id = "panda_link0"
         request.ik_request.pose_stamped.pose = self.where()
-        solved = self.call(GetPositionIK, "compute_ik", request)
+        solved = self.call("compute_ik", request)
         print("> solved", solved.error_code.val)
         request.ik_request.pose_stamped.pose.position.x = 9.0
-        print("> out of reach", self.call(GetPositionIK, "compute_ik", request).error_code.val)
+        print("> out of reach", self.call("compute_ik", request).error_code.val)
         request = GetMotionPlan.Request(motion_plan_request=self.request(ASIDE).request)
-        answer = self.call(GetMotionPlan, "plan_kinematic_path", request)
+        answer = self.call("plan_kinematic_path", request)
         print("> a plan alone", answer.motion_plan_response.error_code.val)
 
     def wall(self):
@@ -116,12 +126,10 @@ class Cell(Node):
         scene = PlanningScene(is_diff=True)
         scene.robot_state.is_diff = True
         scene.world.collision_objects = [wall]
-        applied = self.call(
-            ApplyPlanningScene, "apply_planning_scene", ApplyPlanningScene.Request(scene=scene)
-        )
+        applied = self.call("apply_planning_scene", ApplyPlanningScene.Request(scene=scene))
         request = GetPlanningScene.Request()
         request.components.components = request.components.WORLD_OBJECT_NAMES
-        there = self.call(GetPlanningScene, "get_planning_scene", request)
+        there = self.call("get_planning_scene", request)
         names = [item.id for item in there.scene.world.collision_objects]
         print("> scene", applied.success, names)
 
