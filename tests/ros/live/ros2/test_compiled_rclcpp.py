@@ -103,6 +103,20 @@ def test_a_node_plans_with_moveit_where_there_is_none(compiled):
     assert trace["verdict"]["kind"] == "complete"
 
 
+def test_functions_of_two_publishers_of_a_topic_do_not_swap_where_messages_are_lost(compiled):
+    example = compiled("two_publishers", ())
+    done = example.run(
+        *("trace", "--live", "--robot", "panda", "-o", "live.json", "--", "./two_publishers")
+    )
+    trace = json.loads(example.read("live.json").decode())
+    assert trace["end"]["cause"] == "ended", done.out + done.err
+    ends = {(command["function"]["name"], command["end"]) for command in trace["commands"]}
+    assert ends == {
+        *(("Cell::turn", "replaced"), ("Cell::turn", "arrived"), ("Cell::mistake", "ignored"))
+    }
+    assert len(trace["commands"]) < 1200, "none of 1,201 was lost"
+
+
 def test_the_node_reads_the_twin_moves_it_and_has_its_parameters(lived):
     printed = lived.read("printed.txt").decode()
     lines = [line for line in printed.splitlines() if line.startswith("> ")]
