@@ -71,6 +71,42 @@ def test_a_latched_message_reaches_those_who_come_later_once(scheduler, graph):
     assert scheduler.run_main(main) == ["last", "new"]
 
 
+def test_who_subscribes_when_a_topic_is_advertised_gets_a_latched_message_once(scheduler, graph):
+    """As a driver does that serves a topic once a controller speaks of it."""
+    received = []
+
+    def serve(change, name, _):
+        if change == "advertised":
+            graph.subscribe(name, TEXT, lambda message, _: received.append(message), node="/d")
+
+    def main():
+        graph.watch(serve)
+        connected = []
+        graph.advertise(
+            "/t", TEXT, node="/p", latch=True, on_connect=connected.append
+        ).publish("kept")
+        scheduler.sleep(1_000_000_000)
+        return len(connected), received
+
+    assert scheduler.run_main(main) == (1, ["kept"])
+
+
+def test_who_advertises_when_a_topic_is_subscribed_to_is_connected_once(scheduler, graph):
+    connected = []
+
+    def answer(change, name, _):
+        if change == "subscribed":
+            graph.advertise(name, TEXT, node="/d", on_connect=connected.append)
+
+    def main():
+        graph.watch(answer)
+        collect(graph, "/t")
+        scheduler.sleep(1_000_000_000)
+
+    scheduler.run_main(main)
+    assert len(connected) == 1
+
+
 def test_without_latch_those_who_come_later_get_nothing(scheduler, graph):
     def main():
         graph.advertise("/t", TEXT, node="/p").publish("gone")

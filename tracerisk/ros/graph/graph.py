@@ -164,8 +164,9 @@ class Graph:
         for other in entry.subscriptions:
             self._warn_of_types(topic, type_name, other.type_name)
         entry.publications.append(publication)
+        known = publication.matching()  # who subscribes because of the report connects by itself
         self.report("advertised", topic, type_name)
-        for subscription in publication.matching():
+        for subscription in known:
             self._connect(publication, subscription)
         return publication
 
@@ -199,8 +200,9 @@ class Graph:
         entry.subscriptions.append(subscription)
         subscription.made_ns = self.carrier.made_ns(by_controller=by_controller)
         subscription.process = self.scheduler.process if by_controller else None
+        known = self.publications(topic)
         self.report("subscribed", topic, type_name)
-        for publication in self.publications(topic):
+        for publication in known:
             if types_agree(publication.type_name, type_name):
                 self._connect(publication, subscription)
         return subscription
