@@ -37,6 +37,23 @@ def likely_meant(name: str, known: Iterable[str]) -> str:
     return f"likely a mistake for {' or '.join(near)}" if near else ""
 
 
+def is_respelt(name: str, other: str) -> bool:
+    """Return whether two names are one, spelt otherwise: `/set_griper` and `/set_gripper`.
+
+    Each word that differs is a slip of the other one, and begins as that does: words for opposites
+    (`attach`, `detach`) begin otherwise.
+    """
+    if name == other:
+        return False
+    if _plain(name) == _plain(other):
+        return True
+    parts = [_PART.split(text) for text in (name, other)]
+    if len(parts[0]) != len(parts[1]):
+        return False
+    differing = [pair for pair in zip(*parts, strict=True) if pair[0] != pair[1]]
+    return all(one[:1] == two[:1] and near_names(one, [two]) for one, two in differing)
+
+
 def _most(name: str, other: str) -> int:
     """Return how many edits lie at most between a name and what it is a slip of."""
     if _plain(name) == _plain(other):

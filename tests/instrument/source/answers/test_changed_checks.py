@@ -174,6 +174,51 @@ def test_a_renamed_function_keeps_its_checks():
     ]
 
 
+RENAMED = (CLIENT + TAKE).replace("self.move(1)", "assert self.move(1).ret == 0")
+
+
+@pytest.mark.parametrize(
+    "was", ["/arm/griper_position", "/arm/grippr_positon", "/arm/gripperPosition"]
+)
+def test_a_check_of_a_service_whose_name_is_corrected_is_the_same_check(was):
+    before, after = (RENAMED.replace("/arm/move", name) for name in (was, "/arm/gripper_position"))
+    assert told(before, after) == []
+    assert told(before, after.replace("assert self.move(1).ret == 0", "self.move(1)")) == [
+        (True, "Cell.take", "`ret` of /arm/gripper_position")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("was", "now"),
+    [
+        ("/arm/get_position", "/arm/set_position"),
+        ("/tool/attach", "/tool/detach"),
+        ("/motors/activate", "/motors/deactivate"),
+        ("/gripper1/move", "/gripper2/move"),
+        ("/left/gripper", "/lift/gripper"),
+        ("/arm/x_position", "/arm/y_position"),
+    ],
+)
+def test_a_check_of_another_service_with_a_name_nearby_is_another(was, now):
+    before, after = (RENAMED.replace("/arm/move", name) for name in (was, now))
+    assert told(before, after) == [
+        (True, "Cell.take", f"`ret` of {was}"),
+        (False, "Cell.take", f"`ret` of {now}"),
+    ]
+
+
+def test_a_check_is_lost_where_both_services_were_called_before():
+    """The other one is no correction: the earlier version had it too."""
+    both = TAKE + "        assert self.call(self.width, 1).ret == 0\n"
+    before = (
+        (CLIENT + both)
+        .replace("/gripper/width", "/arm/moove")
+        .replace("self.move(1)", "assert self.move(1).ret == 0")
+    )
+    after = before.replace("assert self.call(self.width, 1).ret == 0", "pass")
+    assert told(before, after) == [(True, "Cell.take", "`ret` of /arm/moove")]
+
+
 def test_a_source_that_cannot_be_read_has_none():
     assert told("def (", "def run(): pass") == []
 

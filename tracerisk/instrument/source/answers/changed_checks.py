@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
+from tracerisk.common.text.near_names import is_respelt
 from tracerisk.errors import Location
 from tracerisk.instrument.source.answers.looked_at import LookedAt, looked_at
 
@@ -29,12 +30,48 @@ def changed_checks(
 ) -> tuple[ChangedCheck, ...]:
     """Return the checks of answers that are lost, then those that are new.
 
-    A check that moved to a caller, to a function called, or to a new function is neither.
-    `renamed` gives the later name of functions by their earlier one.
+    A check that moved to a caller, to a function called, or to a new function is neither; nor is
+    one of a service whose name was corrected. `renamed` gives the later name of functions by their
+    earlier one.
     """
     old, new = looked_at(before), looked_at(after)
+    old = _with_names(old, _corrected(old, new))
     back = {now: was for was, now in renamed.items()}
     return (*_only_in(old, new, renamed, is_lost=True), *_only_in(new, old, back, is_lost=False))
+
+
+def _corrected(old: Mapping[str, LookedAt], new: Mapping[str, LookedAt]) -> dict[str, str]:
+    """Return the later name of each answer that only its spelling tells from an earlier one."""
+    was, now = (
+        {name for here in version.values() for name in here.calls} for version in (old, new)
+    )
+    pairs = [
+        (one, two) for one in sorted(was - now) for two in sorted(now - was) if is_respelt(one, two)
+    ]
+    ends = [name for pair in pairs for name in pair]
+    return {one: two for one, two in pairs if ends.count(one) == ends.count(two) == 1}
+
+
+def _with_names(
+    version: Mapping[str, LookedAt], names: Mapping[str, str]
+) -> Mapping[str, LookedAt]:
+    """Return what functions look at, with other names of some answers."""
+    if not names:
+        return version
+
+    def now(of: str) -> str:
+        return names.get(of, of)
+
+    return {
+        name: LookedAt(
+            {(now(of), part): places for (of, part), places in here.checks.items()},
+            {(now(of), part): lines for (of, part), lines in here.asked.items()},
+            {now(of): lines for of, lines in here.calls.items()},
+            {now(of) for of in here.used},
+            here.own_calls,
+        )
+        for name, here in version.items()
+    }
 
 
 def _only_in(
