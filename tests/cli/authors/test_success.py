@@ -186,6 +186,21 @@ def test_an_object_is_drafted_where_it_ended(found, goals, drafted):
     assert condition.value == {"object": "part", **drafted}
 
 
+@pytest.mark.parametrize(
+    ("end_m", "held_in", "words"),
+    [
+        (PART.end_m, "", "the run moved it by 192 mm"),
+        (PART.end_m, "hand", "the run moved it by 192 mm and it is held at the end"),
+        (PART.begin_m, "hand", "it is held at the end"),
+        (PART.begin_m, "", "it stayed where it was"),
+    ],
+)
+def test_a_drafted_condition_of_an_object_says_what_the_run_showed(end_m, held_in, words):
+    found = replace(PART, end_m=end_m, held_in=held_in)
+    (condition,) = drafted_conditions(Outcome(objects=(found,)), (), is_over=True)
+    assert condition.words == words
+
+
 def test_uses_of_the_cell_are_counted_but_those_of_a_stream():
     uses = [CellUse(i, "message", "/done", "") for i in range(3)]
     outcome = Outcome(cell=(*uses, CellUse(3, "goal", "/base", "")), streams=("/beat",))

@@ -65,10 +65,11 @@ def _objects(outcome: Outcome, goals: Sequence[Goal]) -> Iterator[DraftedConditi
             value: dict[str, Any] = {"object": object_outcome.name, "moved": False}
             yield DraftedCondition(value, "it stayed where it was")
             continue
-        far = length_words(math.dist(object_outcome.begin_m, object_outcome.end_m))
+        far_m = math.dist(object_outcome.begin_m, object_outcome.end_m)
+        words = [f"the run moved it by {length_words(far_m)}"] if far_m > MOVED_M else []
+        words += ["it is held at the end"] if object_outcome.held_in else []
         yield DraftedCondition(
-            {"object": object_outcome.name, **_end(object_outcome, goals)},
-            f"the run moved it by {far}",
+            {"object": object_outcome.name, **_end(object_outcome, goals)}, " and ".join(words)
         )
 
 
