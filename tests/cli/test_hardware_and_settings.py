@@ -111,3 +111,17 @@ def test_descriptions_of_single_controllers_are_named_where_none_is_for_all(exam
     outcome = example.run("hardware", "show")
     assert outcome.code == 2
     assert "give one of hardware_panda.yaml" in outcome.err
+
+
+@pytest.mark.parametrize("setting", ["hardware", "scenario"])
+def test_a_fault_in_a_file_of_the_settings_names_it_as_a_user_would_type_it_here(
+    example, quick, setting, monkeypatch
+):
+    example.write("pyproject.toml", f'[tool.tracerisk]\n{setting} = "cell.yaml"\n')
+    example.write("cell.yaml", "components: 3\n" if setting == "hardware" else "objects: 3\n")
+    example.write("sub/controller.py", quick("pass"))
+    assert example.run("run", "sub/controller.py").err.startswith("tracerisk: cell.yaml:1:")
+    monkeypatch.setattr(example, "folder", example.folder / "sub")
+    outcome = example.run("run", "controller.py", "--json")
+    assert outcome.err.startswith("tracerisk: ../cell.yaml:1:")
+    assert outcome.json["error"]["file"] == "../cell.yaml"

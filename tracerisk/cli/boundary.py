@@ -18,6 +18,7 @@ from tracerisk.errors import (
     disk_full,
     file_limited,
     interruption,
+    with_file,
 )
 
 TYPE_CHECKING = False
@@ -80,12 +81,24 @@ def _one_line(
 
 
 def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
+    error.location = with_file(error.location, _typed)
     note(f"tracerisk: {error.with_code}")
     if scenario := getattr(error, "scenario", ""):
         note(scenario_advice(scenario))
     if getattr(options, "json", False):
         print_json(options.verb, exit_code=int(error.exit_code), error=_error_data(error))
     return int(error.exit_code)
+
+
+def _typed(file: str) -> str:
+    """Return a file of a message as a user would type it here: a setting names it in full."""
+    if not os.path.isabs(file):
+        return file
+    from pathlib import Path
+
+    from tracerisk.config import from_here
+
+    return from_here(Path())(file)
 
 
 def _internal_error() -> int:
