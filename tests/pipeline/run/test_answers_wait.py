@@ -6,6 +6,7 @@ import pytest
 
 from tracerisk.pipeline.run.scripted_input import Answers
 from tracerisk.ros.controller.needs import NeedLedger
+from tracerisk.ros.drafts.answers.known_answers import KnownAnswers
 from tracerisk.ros.scenario.topics import ScenarioTopic
 from tracerisk.ros.scenario.world import ScenarioWorld
 
@@ -25,6 +26,12 @@ class Clock:
     def wait_until(self, predicate, **_):
         return predicate()
 
+    def touch(self):
+        pass
+
+    def miss(self, _):
+        pass
+
 
 def answered(answers, firsts_come_ns, clock):
     recorder = SimpleNamespace(note=lambda *_, **__: None)
@@ -36,7 +43,7 @@ def answered(answers, firsts_come_ns, clock):
 
 
 @pytest.mark.parametrize(
-    ("due_s", "after_s"), [([1.0], 2.1), ([], 1.0), ([1.0, 2.0], 3.1)], ids=["one", "none", "later"]
+    ("due_s", "after_s"), [([1.0], 1.1), ([], 0.0), ([1.0, 2.0], 2.1)], ids=["one", "none", "later"]
 )
 def test_an_answer_waits_for_what_is_about_to_come(due_s, after_s):
     clock = Clock()
@@ -47,6 +54,25 @@ def test_an_answer_waits_for_what_is_about_to_come(due_s, after_s):
     lines, now_ns = answered(["y", "n"], firsts_come_ns, clock)
     assert lines == ["y\n", "n\n"]
     assert now_ns == pytest.approx(after_s * SECOND)
+
+
+@pytest.mark.parametrize(
+    ("answers", "after_s"),
+    [([], [0, 1, 2]), (["y"], [0, 1, 2]), (["y", "n"], [0, 0, 1]), (["y", "n", "y"], [0, 0, 0])],
+)
+def test_only_an_assumed_answer_comes_a_second_after_the_one_before(answers, after_s):
+    """Who scripts answers may mean to give one during a motion."""
+    clock, told = Clock(), []
+    recorder = SimpleNamespace(note=lambda *_, **__: None, finding=lambda *_, **__: None)
+    stream = Answers(
+        answers, recorder, clock, "cell.py", assume=lambda: KnownAnswers(("a", "b", "c")),
+        progress=lambda: told[-1] if told else None,
+    )  # fmt: skip
+    for number in range(3):
+        stream.prompt = f"{number}?"
+        stream.readline()
+        told.append(clock.now_ns / SECOND)
+    assert told == after_s
 
 
 @pytest.mark.parametrize(

@@ -91,8 +91,8 @@ class Answers(io.TextIOBase):
     """The last question, and the progress when it was asked."""
     _times: int = field(default=0, init=False)
     """How many times in a row the last question came without progress."""
-    _has_answered: bool = field(default=False, init=False)
-    """Whether the last answer was more than Enter: the next comes after what it led to."""
+    _was_assumed: bool = field(default=False, init=False)
+    """Whether the last answer was assumed: the next comes after what it led to."""
     _line: str = field(default="", init=False)
     """What is left of the answer that is being read."""
 
@@ -154,20 +154,19 @@ class Answers(io.TextIOBase):
             # Who answers has seen what came; the callbacks for it have run.
             if (due_ns := self.firsts_come_ns()) > self.scheduler.now_ns:
                 self.scheduler.pass_until(due_ns + _SEEN_NS)
-        self._see_motions()
+        # Who has scripted answers may mean to give the next one during a motion.
         answer = self._given()
         if answer is not None:
             self.scheduler.needs.meet(Need("input", self._asked))
+            self._was_assumed = False
         else:
             answer = self._unscripted()
             self.recorder.note("input", answer=answer)
-        self._has_answered = bool(answer)
+            self._was_assumed = bool(answer)
         self._line = f"{answer}\n"
 
     def _see_motions(self) -> None:
         """Wait for what the answer before has set in motion: a user sees it end."""
-        if not self._has_answered:
-            return
         self.scheduler.pass_until(self.scheduler.now_ns + _TYPED_NS)
         self.scheduler.wait_until(
             lambda: not self.is_moving(), timeout_ns=_MOST_REST_NS, reason="the arm to rest"
@@ -185,14 +184,16 @@ class Answers(io.TextIOBase):
     def _unscripted(self) -> str:
         """Return an answer that the code knows, or Enter."""
         asked = self._asked
-        now = asked, self.progress()
-        self._times = self._times + 1 if now == self._last_asked else 1
-        self._last_asked = now
         question = self._asked_of.setdefault(asked, _Question(self.assume()))
-        self.scheduler.touch()
         # Who has answered it by --answer or a scenario has said all.
         was_scripted = self.scheduler.needs.is_met("input", asked)
         takes_enter = was_scripted or question.takes_enter(self.prompt)
+        if self._was_assumed or (self.progress() is not None and not takes_enter):
+            self._see_motions()
+        now = asked, self.progress()
+        self._times = self._times + 1 if now == self._last_asked else 1
+        self._last_asked = now
+        self.scheduler.touch()
         if self._times >= _TAKES_NO_ENTER or not takes_enter:
             answer = question.next_answer(now)
             if answer is None and any(other.may_say_more for other in self._asked_of.values()):
