@@ -1,5 +1,7 @@
 """Controllers that listen to keys by pynput."""
 
+import pytest
+
 LISTENS = """\
 import moveit_commander, rospy
 from pynput import keyboard
@@ -37,3 +39,27 @@ def test_a_listener_hears_each_key_that_its_code_names(example):
     assert trace["end"]["cause"] == "ended"
     assert [command["end"] for command in trace["commands"]] == ["arrived", "arrived"]
     assert trace["verdict"]["kind"] == "partial"
+
+
+STOPPED = """\
+import rospy
+from pynput import keyboard, mouse
+
+rospy.init_node("keys")
+for listener in (keyboard.Listener(on_press=print), mouse.Listener()):
+    listener.start()
+    rospy.sleep(0.1)
+    listener.stop()
+    assert not listener.running and listener.is_alive()
+    listener.join()
+    assert not listener.is_alive()
+print("goes on")
+"""
+
+
+@pytest.mark.parametrize("answers", [[], ["--answer=a", "--answer=b"]])
+def test_the_thread_of_a_listener_ends_once_it_is_stopped(example, answers):
+    """Who waits for it goes on, whether or not a key comes."""
+    example.write("keys.py", STOPPED)
+    outcome = example.run("run", "keys.py", "--robot", "panda", "--no-draft", *answers)
+    assert "goes on" in outcome.err

@@ -61,3 +61,30 @@ def test_keys_of_curses_and_of_libraries_are_known_by_their_names(tmp_path):
     )
     wanted = ("\x1b[A", "w", "\n", "\x1b[6~", "s", " ", "e", "\x1b[D", "k", "m")
     assert known_keys(Location(str(source), 1)) == wanted
+
+
+PACED = """\
+import curses
+import rospy
+
+rospy.init_node("keys")
+
+def main(screen):
+    began = rospy.get_time()
+    curses.napms(1500)
+    print("napped", round(rospy.get_time() - began, 2))
+    curses.halfdelay(5)
+    for _ in range(3):
+        assert screen.getch() in (-1, ord("w"))
+    print("looked", round(rospy.get_time() - began, 2))
+
+curses.wrapper(main)
+"""
+
+
+def test_a_nap_and_a_look_for_a_key_with_an_end_take_their_time(example):
+    """Who paces its commands by them would else command all at once."""
+    example.write("keys.py", PACED)
+    outcome = example.run("run", "keys.py", "--robot", "panda", "--no-draft")
+    assert "napped 1.5" in outcome.err
+    assert "looked 3.0" in outcome.err

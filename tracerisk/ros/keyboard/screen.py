@@ -5,6 +5,7 @@ from __future__ import annotations
 import _curses
 import curses
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from tracerisk.instrument.source.literals.key_codes import CODES, OF_CURSES
@@ -16,7 +17,6 @@ _POLL_NS = 1_000_000  # what a look for a key takes that does not wait
 _SHOWN = frozenset({"has_colors", "can_change_color", "has_ic", "has_il", "is_term_resized"})
 _DRAWING = [
     "beep",
-    "cbreak",
     "curs_set",
     "def_prog_mode",
     "def_shell_mode",
@@ -25,15 +25,12 @@ _DRAWING = [
     "echo",
     "endwin",
     "flash",
-    "halfdelay",
     "init_color",
     "init_pair",
     "intrflush",
     "meta",
     "mouseinterval",
-    "napms",
     "nl",
-    "nocbreak",
     "noecho",
     "nonl",
     "noqiflush",
@@ -67,12 +64,39 @@ class Keyboard(Protocol):
     def is_typed(self, timeout_ns: int | None) -> bool:
         """Wait for a key [ns], without an end for None; return whether there is one."""
 
+    def pass_time(self, duration_ns: int) -> None:
+        """Let time pass [ns]."""
+
+
+@dataclass(slots=True)
+class _Terminal:
+    """What all windows share."""
+
+    keyboard: Keyboard
+    """What reads keys."""
+    half_delay_ns: int | None = None
+    """For how long a look for a key waits in a window that sets nothing [ns]; `None`: no end."""
+
+    def halfdelay(self, tenths: int) -> None:
+        """Let each look for a key end after so many tenths of a second."""
+        self.half_delay_ns = tenths * 100_000_000
+
+    def cbreak(self, flag: bool = True) -> None:
+        """Let looks for a key wait without an end again."""
+        del flag
+        self.half_delay_ns = None
+
+    def napms(self, ms: int) -> None:
+        """Let time pass [ms]."""
+        self.keyboard.pass_time(round(ms * 1e6))
+
 
 class Screen:
     """A window of `curses`, with all methods of the real one."""
 
-    def __init__(self, keyboard: Keyboard, rows: int = ROWS, columns: int = COLUMNS) -> None:
-        self._keyboard = keyboard
+    def __init__(self, terminal: _Terminal, rows: int = ROWS, columns: int = COLUMNS) -> None:
+        self._terminal = terminal
+        self._keyboard = terminal.keyboard
         self._size = rows, columns
         self._timeout_ns: int | None = None
 
@@ -114,14 +138,15 @@ class Screen:
         return self._size
 
     def _key(self) -> str | None:
-        if not self._keyboard.is_typed(self._timeout_ns):
+        own_ns = self._timeout_ns
+        if not self._keyboard.is_typed(self._terminal.half_delay_ns if own_ns is None else own_ns):
             return None
         # The codes of one key are typed at once.
         return self._keyboard.read(_LONGEST)
 
     def subwin(self, *_: int) -> Screen:
         """Return a window within it."""
-        return Screen(self._keyboard, *self._size)
+        return Screen(self._terminal, *self._size)
 
     derwin = subpad = subwin
 
@@ -147,16 +172,17 @@ _PLACES: Mapping[str, Callable[..., Any]] = {
 
 def screen_functions(keyboard: Keyboard) -> Iterable[tuple[Any, str, Any]]:
     """Return what stands in for functions of `curses`: (module, name, function)."""
+    terminal = _Terminal(keyboard)
 
     def initscr() -> Screen:
         # As the real one, which makes these names known when it knows the terminal.
         for name in _LINES:
             setattr(curses, name, ord("+"))
         curses.LINES, curses.COLS = ROWS, COLUMNS
-        return Screen(keyboard)
+        return Screen(terminal)
 
     def window(rows: int = 0, columns: int = 0, *_: int) -> Screen:
-        return Screen(keyboard, rows or ROWS, columns or COLUMNS)
+        return Screen(terminal, rows or ROWS, columns or COLUMNS)
 
     def flushinp() -> None:
         """Drop nothing: what is typed is read in its turn."""
@@ -166,6 +192,10 @@ def screen_functions(keyboard: Keyboard) -> Iterable[tuple[Any, str, Any]]:
         "newwin": window,
         "newpad": window,
         "flushinp": flushinp,
+        "halfdelay": terminal.halfdelay,
+        "cbreak": terminal.cbreak,
+        "nocbreak": terminal.cbreak,
+        "napms": terminal.napms,
         "color_pair": lambda number: number << 8,
         "pair_number": lambda attribute: attribute >> 8,
         "color_content": lambda _: (0, 0, 0),

@@ -67,24 +67,32 @@ class ScriptedKeys:
         taken, self._typed = self._typed[:size], self._typed[size:]
         return taken
 
-    @property
-    def is_due(self) -> bool:
-        """Whether a key is about to be pressed."""
-        return self._is_due
-
-    def is_typed(self, timeout_ns: int | None, place: Location | None = None) -> bool:
+    def is_typed(
+        self,
+        timeout_ns: int | None,
+        place: Location | None = None,
+        is_over: Callable[[], bool] = lambda: False,
+    ) -> bool:
         """Wait for a key for so long, without an end for None, and return whether there is one.
 
-        `place` is where the controller compares it, if that is not where it asks.
+        `place` is where the controller compares it, if that is not where it asks. It waits no
+        longer once it `is_over`.
 
         Raises:
             RunOver: no key is pressed any more, and nothing else happens.
         """
         self._look(place)
         self._scheduler.wait_until(
-            lambda: bool(self._typed), timeout_ns=timeout_ns, reason="a key", kind="idle"
+            lambda: bool(self._typed) or is_over(),
+            timeout_ns=timeout_ns,
+            reason="a key",
+            kind="idle",
         )
         return bool(self._typed)
+
+    def pass_time(self, duration_ns: int) -> None:
+        """Let simulated time pass [ns]."""
+        self._scheduler.sleep(duration_ns)
 
     def _look(self, place: Location | None = None) -> None:
         """Ask for the next key, which is pressed soon."""

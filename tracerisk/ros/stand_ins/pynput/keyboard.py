@@ -16,7 +16,6 @@ from tracerisk.ros.keyboard.scripted_keys import ScriptedKeys
 __all__ = ["Key", "KeyCode", "Listener"]
 
 _HELD_S = 0.3  # for how long a key is held [s]
-_LOOK_NS = 100_000_000  # between two looks whether the listener was stopped
 _MOST = max(map(len, CODES.values()))
 
 
@@ -74,20 +73,20 @@ class Listener(threading.Thread):
         super().__init__(daemon=True)
         self.suppress = suppress
         self._bound = on_press, on_release
-        self._is_stopped = False
+        self._was_stopped = False
         self._place = asking_place()
 
     @property
     def running(self) -> bool:
         """Whether it listens."""
-        return self.is_alive() and not self._is_stopped
+        return self.is_alive() and not self._was_stopped
 
     def run(self) -> None:
         """Hear keys until it is stopped, or a callback returns False."""
         keys: ScriptedKeys = current().clients[ScriptedKeys]
-        while not self._is_stopped:
-            if not keys.is_typed(_LOOK_NS if keys.is_due else None, self._place):
-                continue
+        while not self._was_stopped:
+            if not keys.is_typed(None, self._place, lambda: self._was_stopped):
+                return
             key = _key(keys.read(_MOST))
             self._call(0, key)
             time.sleep(_HELD_S)
@@ -95,12 +94,12 @@ class Listener(threading.Thread):
 
     def _call(self, number: int, key: Any) -> None:
         function = self._bound[number]
-        if function is not None and not self._is_stopped and function(key) is False:
+        if function is not None and not self._was_stopped and function(key) is False:
             self.stop()
 
     def stop(self) -> None:
         """Listen no more."""
-        self._is_stopped = True
+        self._was_stopped = True
 
     def wait(self) -> None:
         """Return when it listens, at once."""
