@@ -92,13 +92,11 @@ def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
 
 def _typed(file: str) -> str:
     """Return a file of a message as a user would type it here: a setting names it in full."""
-    if not os.path.isabs(file):
-        return file
     from pathlib import Path
 
     from tracerisk.config import from_here
 
-    return from_here(Path())(file)
+    return from_here(Path())(file) if Path(file).is_absolute() else file
 
 
 def _internal_error() -> int:

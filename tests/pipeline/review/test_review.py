@@ -415,6 +415,14 @@ def test_a_touch_that_is_in_another_function_now_is_no_news(showed, now, news):
     assert len(only(found).of_run) == news
 
 
+def test_a_short_touch_beside_the_long_one_of_another_function_is_news(showed):
+    """All touches together are about as hard and long as before."""
+    long = {"pick": (26.0, 3.1, 9.7)}
+    found = showed(pressed(**long), pressed(**long, place=(20.0, 0.3, 14.0)), code="LATER = 1\n")
+    (line,) = only(found).of_run
+    assert line.startswith("jar and floor touch in place")
+
+
 def test_a_contact_that_the_earlier_run_showed_too_is_not_reported_again(showed):
     found = showed(TOUCH, TOUCH, code="LATER = 1\n")
     assert only(found).of_run == ()

@@ -157,8 +157,8 @@ def _new(
         name, bodies = contact.function.name, contact.bodies
         if (name, bodies) in known:
             continue
-        was, is_now = of_before.get(bodies), of_now.get(bodies)
-        if was is not None and is_now is not None and is_now.are_by_another_function(was):
+        was, part = of_before.get(bodies), contact.touches
+        if was is not None and part is not None and of_now[bodies].are_cut_otherwise(was, part):
             continue
         earlier = FunctionRef(contact.function.file, QualifiedName(earlier_name.get(name, name)))
         before, _ = kept_touches(old, replace(contact, function=earlier))

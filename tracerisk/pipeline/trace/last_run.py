@@ -81,13 +81,16 @@ class Touches:
             and math.isclose(self.touching_s, other.touching_s, rel_tol=_ALIKE, abs_tol=_ALIKE_S)
         )
 
-    def are_by_another_function(self, other: Touches) -> bool:
+    def are_cut_otherwise(self, other: Touches, part: Touches) -> bool:
         """Return whether all touches of two bodies are those of the other run: as hard, long, soon.
 
-        They may be cut otherwise into functions, whose contacts are counted one by one.
+        They may be cut otherwise into functions, whose contacts are counted one by one: by as much
+        as one function has now, the others have less.
         """
+        less_s = other.touching_s - (self.touching_s - part.touching_s)
         return (
-            math.isclose(self.force_n, other.force_n, rel_tol=_ALIKE)
+            math.isclose(less_s, part.touching_s, rel_tol=_ALIKE, abs_tol=_ALIKE_S)
+            and math.isclose(self.force_n, other.force_n, rel_tol=_ALIKE)
             and math.isclose(self.touching_s, other.touching_s, rel_tol=_ALIKE, abs_tol=_ALIKE_S)
             and math.isclose(self.start_s, other.start_s, abs_tol=_AT_ONCE_S)
         )
