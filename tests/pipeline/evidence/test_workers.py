@@ -4,6 +4,7 @@ import multiprocessing
 import signal
 import time
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 
@@ -50,6 +51,17 @@ def test_a_limit_of_time_holds_in_the_middle_of_a_job():
     results = list(Workers(jobs=2, most_s=3.0).run(time.sleep, [0.0, HOUR_S, HOUR_S, HOUR_S]))
     assert time.monotonic() - began < 60.0
     assert [job for job, _ in results] in ([], [0.0])
+
+
+def test_what_was_done_before_the_limit_is_kept_however_late_it_is_taken(monkeypatch):
+    now_s = [0.0]
+    clock = SimpleNamespace(monotonic=lambda: now_s[0])
+    monkeypatch.setattr("tracerisk.pipeline.evidence.workers.time", clock)
+    results = Workers(jobs=1, most_s=100.0).run(time.sleep, [0.0, 0.1, HOUR_S])
+    assert next(results)[0] == 0.0
+    time.sleep(2.0)
+    now_s[0] = 101.0
+    assert [job for job, _ in results] == [0.1]
 
 
 def test_workers_of_an_executor_end_the_job_that_they_have_begun():

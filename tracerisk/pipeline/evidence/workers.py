@@ -79,10 +79,11 @@ class Workers:
                 while left or pending:
                     left_s = None if self.most_s is None else self.most_s + began - time.monotonic()
                     if left_s is not None and left_s <= 0.0:
-                        if self.executor is None:
-                            return
                         left.clear()
-                        pending = {job: of for job, of in pending.items() if not job.cancel()}
+                        is_kept = Future.done if self.executor is None else _has_begun
+                        pending = {
+                            future: job for future, job in pending.items() if is_kept(future)
+                        }
                     while left and len(pending) < 2 * workers:
                         pending[pool.submit(function, left[0])] = left[0]
                         left.pop(0)
@@ -116,6 +117,11 @@ class Workers:
                         base_process.join(self.ending_s)
                         if base_process.exitcode is None:
                             base_process.kill()
+
+
+def _has_begun(future: Future[R]) -> bool:
+    """Return whether a job has begun; one that has not is taken back."""
+    return not future.cancel()
 
 
 def _pool(workers: int, alive: Connection, folder: Path | None) -> ProcessPoolExecutor:
