@@ -82,9 +82,9 @@ def test_who_subscribes_when_a_topic_is_advertised_gets_a_latched_message_once(s
     def main():
         graph.watch(serve)
         connected = []
-        graph.advertise(
-            "/t", TEXT, node="/p", latch=True, on_connect=connected.append
-        ).publish("kept")
+        graph.advertise("/t", TEXT, node="/p", latch=True, on_connect=connected.append).publish(
+            "kept"
+        )
         scheduler.sleep(1_000_000_000)
         return len(connected), received
 

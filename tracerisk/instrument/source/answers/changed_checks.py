@@ -34,14 +34,16 @@ def changed_checks(
     one of a service whose name was corrected. `renamed` gives the later name of functions by their
     earlier one.
     """
-    old, new = looked_at(before), looked_at(after)
-    old = _with_names(old, _corrected(old, new))
+    new = looked_at(after)
+    old = _with_corrected_names(looked_at(before), new)
     back = {now: was for was, now in renamed.items()}
     return (*_only_in(old, new, renamed, is_lost=True), *_only_in(new, old, back, is_lost=False))
 
 
-def _corrected(old: Mapping[str, LookedAt], new: Mapping[str, LookedAt]) -> dict[str, str]:
-    """Return the later name of each answer that only its spelling tells from an earlier one."""
+def _with_corrected_names(
+    old: Mapping[str, LookedAt], new: Mapping[str, LookedAt]
+) -> Mapping[str, LookedAt]:
+    """Return what functions look at, each answer by its later name where that was corrected."""
     was, now = (
         {name for here in version.values() for name in here.calls} for version in (old, new)
     )
@@ -49,28 +51,22 @@ def _corrected(old: Mapping[str, LookedAt], new: Mapping[str, LookedAt]) -> dict
         (one, two) for one in sorted(was - now) for two in sorted(now - was) if is_respelt(one, two)
     ]
     ends = [name for pair in pairs for name in pair]
-    return {one: two for one, two in pairs if ends.count(one) == ends.count(two) == 1}
-
-
-def _with_names(
-    version: Mapping[str, LookedAt], names: Mapping[str, str]
-) -> Mapping[str, LookedAt]:
-    """Return what functions look at, with other names of some answers."""
+    names = {one: two for one, two in pairs if ends.count(one) == ends.count(two) == 1}
     if not names:
-        return version
+        return old
 
-    def now(of: str) -> str:
+    def later(of: str) -> str:
         return names.get(of, of)
 
     return {
         name: LookedAt(
-            {(now(of), part): places for (of, part), places in here.checks.items()},
-            {(now(of), part): lines for (of, part), lines in here.asked.items()},
-            {now(of): lines for of, lines in here.calls.items()},
-            {now(of) for of in here.used},
+            {(later(of), part): places for (of, part), places in here.checks.items()},
+            {(later(of), part): lines for (of, part), lines in here.asked.items()},
+            {later(of): lines for of, lines in here.calls.items()},
+            {later(of) for of in here.used},
             here.own_calls,
         )
-        for name, here in version.items()
+        for name, here in old.items()
     }
 
 
