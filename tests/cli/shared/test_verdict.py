@@ -2,8 +2,13 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
+
+from tracerisk.cli.authors.check import _lines
+from tracerisk.errors import Location
+from tracerisk.pipeline.check.finding import Checked, CheckFinding
 
 ACCEPT = '[tool.tracerisk]\naccept = [{%s, words = "a lamp that is often out"}]\n'
 LOGGED = 'code = "error-logged", function = "act", object = "lamp # is out"'
@@ -65,6 +70,17 @@ def test_a_check_says_once_how_reasons_are_mended_and_the_entries_where_asked(ex
     assert 'accept = [{code = "never-ran", function = "home", words = "WHY"}]' in whole.err
     remedies = [finding["remedy"] for finding in example.run("check", "--json").json["findings"]]
     assert all("accept = [{code = " in remedy for remedy in remedies)
+
+
+def test_no_entry_is_promised_for_reasons_that_none_accepts():
+    place = Location("c.py", 1)
+    faulted = CheckFinding(
+        "faulted", "x", place, remedy="mend it, or in [tool.tracerisk] accept = [1]"
+    )
+    stuck = faulted._replace(kind="stuck", remedy="mend it")
+    checked = Checked(Path("c.py"), (faulted, stuck, stuck._replace(message="y")))
+    *_, last = _lines(checked, is_brief=True)
+    assert last == "c.py: for each of these 2: mend it"
 
 
 def test_a_refresh_names_the_lines_that_a_check_then_names(example, logs, hardware):

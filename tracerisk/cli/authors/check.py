@@ -190,15 +190,16 @@ def _lines(checked: Checked, *, is_brief: bool) -> Iterator[str]:
     for finding in checked.findings:
         is_shared = finding in of_verdict and ways[_way(finding)] > 1
         yield str(finding._replace(remedy="") if is_brief and is_shared else finding)
-    for way, count in ways.items() if is_brief else ():
+    entries = f"; `tracerisk check -v {as_typed(checked.path)}` prints what accepts each"
+    for (way, is_acceptable), count in ways.items() if is_brief else ():
         if count > 1:
-            entries = f"`tracerisk check -v {as_typed(checked.path)}` prints what accepts each"
-            yield f"{checked.path}: for each of these {count}: {way}; {entries}"
+            yield f"{checked.path}: for each of these {count}: {way}{entries * is_acceptable}"
 
 
-def _way(finding: CheckFinding) -> str:
-    """Return how the reason behind a finding is mended, without the entry that accepts it."""
-    return finding.remedy.partition(ACCEPTED_BY)[0]
+def _way(finding: CheckFinding) -> tuple[str, bool]:
+    """Return how the reason behind a finding is mended, and whether an entry may accept it."""
+    way, accepts, _ = finding.remedy.partition(ACCEPTED_BY)
+    return way, bool(accepts)
 
 
 def _with_files(checked: Checked) -> Verdict | None:
