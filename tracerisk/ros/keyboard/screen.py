@@ -65,7 +65,7 @@ class Keyboard(Protocol):
         """Wait for a key [ns], without an end for None; return whether there is one."""
 
     def pass_time(self, duration_ns: int) -> None:
-        """Let time pass [ns]."""
+        """Wait [ns]."""
 
 
 @dataclass(slots=True)
@@ -78,16 +78,16 @@ class _Terminal:
     """For how long a look for a key waits in a window that sets nothing [ns]; `None`: no end."""
 
     def halfdelay(self, tenths: int) -> None:
-        """Let each look for a key end after so many tenths of a second."""
+        """Set after how many tenths of a second each look for a key ends."""
         self.half_delay_ns = tenths * 100_000_000
 
     def cbreak(self, flag: bool = True) -> None:
-        """Let looks for a key wait without an end again."""
+        """Make looks for a key wait without an end again."""
         del flag
         self.half_delay_ns = None
 
     def napms(self, ms: int) -> None:
-        """Let time pass [ms]."""
+        """Wait [ms]."""
         self.keyboard.pass_time(round(ms * 1e6))
 
 

@@ -91,7 +91,7 @@ class ScriptedKeys:
         return bool(self._typed)
 
     def pass_time(self, duration_ns: int) -> None:
-        """Let simulated time pass [ns]."""
+        """Wait in simulated time [ns]."""
         self._scheduler.sleep(duration_ns)
 
     def _look(self, place: Location | None = None) -> None:
