@@ -100,9 +100,12 @@ def moved(ran) -> bool:
 @pytest.mark.parametrize(
     ("distro", "start", "words"),
     [
-        ("humble", "", "servo was not started; call its service start_servo first"),
+        (
+            "humble",
+            "def later():\n    ask(Trigger, 'start_servo')\n",
+            "servo was not started; call its service start_servo first",
+        ),
         ("humble", "ask(Trigger, 'unpause_servo')\n", "servo was not started"),
-        ("jazzy", "", "call its service switch_command_type first"),
         ("jazzy", "ask(SetBool, 'pause_servo', data=False)\n", "switch_command_type first"),
         ("jazzy", TO_JOGS, "servo was switched to another type of commands"),
     ],
@@ -130,6 +133,16 @@ def test_what_comes_after_its_start_moves(run, distro, program):
     assert not [each for each in ran.findings if "moved nothing" in each]
 
 
+@pytest.mark.parametrize(
+    ("distro", "service"), [("humble", "start_servo"), ("jazzy", "switch_command_type")]
+)
+def test_where_no_program_starts_it_a_user_is_assumed_to(run, distro, service):
+    ran = run(ROS_2 + "twist()\n", distro)
+    assert moved(ran)
+    (finding,) = [each for each in ran.recording.findings if each.kind == "answer_assumed"]
+    assert (finding.object, service in finding.message) == (service, True)
+
+
 def test_servo_of_noetic_runs_from_the_beginning(run):
     assert moved(run(ROS_1 + "twist(True)\n", "noetic"))
 
@@ -149,7 +162,8 @@ def test_a_stop_that_was_never_taken_back_holds(run):
 
 
 def test_messages_that_ask_for_no_motion_are_no_finding(run):
-    assert not run(ROS_2 + "twist(0.0)\n", "humble").findings
+    ran = run(ROS_2 + "twist(0.0)\n", "humble")
+    assert {each.kind for each in ran.recording.findings} <= {"assumed_setting"}
 
 
 @pytest.mark.slow(but=2)

@@ -5,9 +5,10 @@ of the workspace gives servo, else those that it has by default (`servo_paramete
 2). Near a singularity the tool slows down as there, by the condition number of the Jacobian.
 Servo's slowing down near obstacles is not simulated, nor are goals of poses.
 
-It begins to take commands as `servo-start` of the distributions says, and takes none that are older
-than its time-out, or have no stamp: `servo_calcs.cpp` (Humble) and `servo_node.cpp` (Jazzy) of
-moveit/moveit2, `servo_calcs.cpp` of moveit/moveit.
+It begins to take commands as `servo-start` of the distributions says, or, as the run assumes, by a
+user's hand where no program starts it. It takes none that are older than its time-out, or have no
+stamp: `servo_calcs.cpp` (Humble) and `servo_node.cpp` (Jazzy) of moveit/moveit2, `servo_calcs.cpp`
+of moveit/moveit.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,6 +53,7 @@ _JOINT_JOG, _TWIST, _POSE_GOAL = 0, 1, 2  # as moveit_msgs/ServoCommandType numb
 _BEGINS = "servo-start"
 _BY_ITSELF = "from the beginning"
 _BY_CALL, _BY_TYPE = "after start_servo", "after switch_command_type"
+_OF_STATE = ("start_servo", "stop_servo", "pause_servo", "unpause_servo", "switch_command_type")
 _NO_WARNING, _APPROACHING, _HALTED, _LEAVING = 0, 1, 2, 3  # as moveit_msgs/ServoStatus
 Array = NDArray[np.float64]
 
@@ -96,6 +99,7 @@ class Servo(TwinNode):
         self._streams = CommandStreams(self._commands)
         self._is_started = self._is_paused = False
         self._expected: int | None = None
+        self._assumed = ""
         self._controlled = np.ones(6)
         self._status = _NO_WARNING
         of_humble, of_jazzy = self._has(_BY_CALL), self._has(_BY_TYPE)
@@ -219,6 +223,9 @@ class Servo(TwinNode):
         why = self._refusal(kind) or self._age(header)
         if why and np.any(asked):
             self._streams.refuse(topic, why)
+        elif self._assumed and np.any(asked):
+            words = f"somebody is assumed to have called {self._assumed} of servo: no program does"
+            self._commands.report("answer_assumed", words, object_name=self._assumed)
         return not why
 
     def _refusal(self, kind: int) -> str:
@@ -251,12 +258,20 @@ class Servo(TwinNode):
         return f"its stamp is {age_s:.2g} s old, and servo's time-out is {most_s:g} s"
 
     def _is_called(self, service: str) -> bool:
-        """Whether a file of the workspace calls a service of servo."""
-        return self._files.call(service)
+        """Whether a file of the workspace calls a service of servo, or a user is assumed to.
+
+        A user does where no program names a service that starts or holds servo.
+        """
+        if self._files.call(service):
+            return True
+        if not any(map(self._files.name, _OF_STATE)):
+            self._assumed = service
+        return bool(self._assumed)
 
     @cached_property
     def _files(self) -> LaunchedControllers:
-        return LaunchedControllers(self._runtime.packages.values())
+        script = next(map(Path, self._runtime.argv), None)
+        return LaunchedControllers(self._runtime.packages.values(), script)
 
     def _scales(self, *scales: float) -> Array:
         if self.settings.command_in_type != _UNITLESS:
