@@ -50,6 +50,25 @@ rospy.sleep(0.5)
 send(30)
 send(-30)
 """
+MODEL = """\
+import rospy
+from sensor_msgs.msg import JointState
+
+rospy.init_node("cell")
+model = rospy.Publisher("/joint_states", JointState, queue_size=1)
+NAMES = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
+
+
+def show(first):
+    for step in range(1, 21):
+        now = [first * step / 20, -1.57 + 0.01 * step, 0.01 * step, -1.57]
+        model.publish(JointState(name=NAMES, position=now))
+        rospy.sleep(0.1)
+
+
+rospy.sleep(0.5)
+show(0.4)
+"""
 
 
 @pytest.fixture
@@ -127,6 +146,16 @@ def test_a_topic_that_nobody_receives_moves_the_arm(cell):
     assert found["verdict"]["kind"] == "partial"
     assert [each["ref"]["name"] for each in found["trace"]["functions"]] == ["send"]
     assert len(found["trace"]["visits"]) == 2
+
+
+def test_joint_states_move_the_arm_where_nothing_else_does(cell):
+    cell.write("src/cell/cell.py", MODEL)
+    found = cell.run("trace", "src/cell/cell.py", "--robot", "ur5e", "--json").json
+    assert found["verdict"]["kind"] == "partial"
+    (assumed,) = [each for each in found["verdict"]["reasons"] if each["code"] == "input-assumed"]
+    assert assumed["object"] == "joint_states"
+    assert [each["ref"]["name"] for each in found["trace"]["functions"]] == ["show"]
+    assert not [each for each in found["trace"]["findings"] if "move nothing" in each["message"]]
 
 
 def test_a_driver_in_a_scenario_is_read_as_its_file_is(cell):

@@ -25,6 +25,8 @@ HEARD = {
     "a pose with a frame": ("/next", "Station", "place"),
     "joints": ("/next", "Joints", "joint_angles"),
     "joints by name": ("/next", "Preset", "posture.position"),
+    "joint states": ("/joint_states_interpolated", "sensor_msgs/JointState", "position"),
+    "those of a model": ("/joint_states", "sensor_msgs/JointState", "position"),
 }
 UNHEARD = {
     "several": ("/next", "Waypoints"),
@@ -35,6 +37,7 @@ UNHEARD = {
     "a path": ("/path", "HybridPose"),
     "for the eye": ("/visual/next", "HybridPose"),
     "what is debugged": ("/debug_pose", "HybridPose"),
+    "a model to be seen": ("/rviz/joint_states", "sensor_msgs/JointState"),
 }
 
 
@@ -48,7 +51,7 @@ def interfaces(request, tmp_path):
 
 
 def missed(topic, short, kind="command"):
-    return Missed(Need(kind, topic, f"cell/{short}"), 0, 0, None)
+    return Missed(Need(kind, topic, short if "/" in short else f"cell/{short}"), 0, 0, None)
 
 
 @pytest.mark.parametrize("kind", HEARD)
@@ -69,6 +72,12 @@ ONLY = {
     "alone": ([("/next", "HybridPose")], {}, ["/next"]),
     "beside a text": ([("/next", "HybridPose"), ("/speed", "Speed")], {}, ["/next"]),
     "beside another": ([("/next", "HybridPose"), ("/then", "Station")], {}, []),
+    "of a model": ([("/joint_states", "sensor_msgs/JointState")], {}, ["/joint_states"]),
+    "of a model beside a command": (
+        [("/joint_states", "sensor_msgs/JointState"), ("/go", "ArmCommand")],
+        {},
+        ["/go"],
+    ),
     "beside a command": ([("/next", "HybridPose"), ("/go", "ArmCommand")], {}, ["/go"]),
     "of what moves": ([("/next", "HybridPose")], {"shows_risk": True}, []),
     "of what sees": ([("/next", "HybridPose")], {"sees": True}, []),
@@ -81,7 +90,7 @@ def test_it_is_obeyed_where_it_is_the_only_motion(interfaces, values, kind):  # 
     published, more, wanted = ONLY[kind]
     unheard = [
         missed(topic, short, "topic")
-        if short in (*OWN, "Unknown")
+        if short in (*OWN, "Unknown") or "/" in short
         else Missed(Need("topic", topic, "std_msgs/Float64"), 0, 0, None)
         for topic, short in published
     ]

@@ -572,7 +572,7 @@ class Rounds:
         return replace(draft, value=value, words=words)
 
     def _as_published(self, draft: Draft) -> Draft:
-        if draft.need.type_name != "sensor_msgs/JointState":
+        if draft.need.kind != "topic" or draft.need.type_name != "sensor_msgs/JointState":
             return draft
         place = self._written.started_with(draft.need.name, _PUBLISHERS)
         if place is None:

@@ -234,12 +234,16 @@ def names_motion(asked: Asked, parts: tuple[Part, ...]) -> bool:
 def _may_be_heard(asked: Asked) -> bool:
     """Return whether the message of a topic may move an arm by its fields alone.
 
-    A message of the author's own that says something, or is to be seen, moves nothing.
+    A message of the author's own that says something, or is to be seen, moves nothing. Joint states
+    move the model that shows them, and are what commands it where nothing else does.
     """
-    if asked.kind != "subscribed_topics" or is_of_ros(asked.request):
+    if asked.kind != "subscribed_topics" or _SHOWN.search(asked.called):
         return False
-    is_shown = _SHOWN.search(asked.called) is not None
-    return not is_shown and commands_something(asked.name, asked.type_name, asked.request)
+    if type_of(asked.request) == "sensor_msgs/JointState":
+        return True
+    return not is_of_ros(asked.request) and (
+        commands_something(asked.name, asked.type_name, asked.request)
+    )
 
 
 def _of_whole(message: Any) -> tuple[dict[str, Any], str] | None:

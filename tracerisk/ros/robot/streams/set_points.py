@@ -360,7 +360,12 @@ class SetPoints(TrajectoryNode):
             self._go_to(topic, "joint_state_command", tuple(names), np.array(values))
 
     def _note_feedback(self, topic: str) -> None:
-        """Report that joint states published by the controller move nothing."""
+        """Report that joint states published by the controller move nothing, unless a driver obeys.
+
+        Drivers listen before it; a scenario may describe one that takes them for commands.
+        """
+        if any(not subscription.by_controller for subscription in self._graph.subscriptions(topic)):
+            return
         if any(publication.by_controller for publication in self._graph.publications(topic)):
             self._commands.report(
                 "not_simulated",
