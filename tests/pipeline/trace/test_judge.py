@@ -208,6 +208,13 @@ def test_what_nobody_publishes_and_a_companion_that_died_are_unmet():
     assert codes(recorded(findings=found)) == ["unmet-need", "companion-failed"]
 
 
+def test_a_question_whose_answer_is_assumed_is_one_reason():
+    need = UnmetNeed("'[h]ome'", "an answer to '[h]ome'")
+    found = finding("answer_assumed", object="'[h]ome'")
+    assert codes(recorded(unmet=(need,), findings=(found,))) == ["input-assumed"]
+    assert codes(recorded(unmet=(need,))) == ["unmet-need"]
+
+
 def test_what_of_the_robot_is_assumed_makes_the_run_partial():
     verdict = judge(recorded(assumed=(("generic", "a generic arm was taken"),)))
     assert (verdict.kind, verdict.reasons[0].object) == ("partial", "generic")

@@ -335,9 +335,14 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
 
 def _of_needs(run: RecordedRun) -> Iterator[Reason]:
     looked_up = {finding.object for finding in run.findings if finding.kind == "lookup_failure"}
-    unprovided = {finding.object for finding in run.findings if finding.kind == "unprovided"}
+    # A finding has said it, and more of it.
+    told = {
+        finding.object
+        for finding in run.findings
+        if finding.kind in ("unprovided", "answer_assumed")
+    }
     for need in run.unmet:
-        if (need.is_frame and need.object in looked_up) or need.object in unprovided:
+        if (need.is_frame and need.object in looked_up) or need.object in told:
             continue
         yield _reason(
             "unmet-need",
