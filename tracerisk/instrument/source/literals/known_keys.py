@@ -19,7 +19,9 @@ _OF_KEYS = re.compile(
     r"|getKey|waitKey|read_key|(key|event|e)\.name)$"
 )
 _OF_LIBRARIES = re.compile(r"(^|[._])(curses|[kK]ey|pygame)$")
-_PRESSED = frozenset({"is_pressed", "add_hotkey", "on_press_key"})  # of `keyboard`
+_PRESSED = re.compile(
+    r"(^|\.)(is_pressed|add_hotkey|on_(press|release)_key)$|(^|\.)keyboard\.wait$"
+)  # of `keyboard`
 _PRINTED = range(32, 127)
 
 
@@ -52,7 +54,7 @@ def _keys_of(node: ast.AST) -> Iterator[tuple[ast.expr, tuple[str, ...]]]:
                 yield from _keys((node.left, side), is_key=is_key)
     elif isinstance(node, ast.MatchValue):
         yield from _keys((node.value,), is_key=False)
-    elif isinstance(node, ast.Call) and last_name(node.func) in _PRESSED:
+    elif isinstance(node, ast.Call) and _PRESSED.search(_asked(node)):
         yield from _keys(node.args[:1], is_key=True)
     elif isinstance(node, ast.Subscript):
         # `pygame.key.get_pressed()[pygame.K_w]`
