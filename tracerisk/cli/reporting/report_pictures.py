@@ -13,7 +13,6 @@ from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.common.dependencies import require_film
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.pipeline.pictures import run_pictures
 from tracerisk.pipeline.pictures.run_section import run_again
 
 if TYPE_CHECKING:
@@ -113,6 +112,8 @@ def write_report_pictures(
         if not trace.is_usable or again is None:
             return ExitCode(print_failure(trace_as_typed(trace, options.files[0]))), ()
         recorded = again
+    from tracerisk.pipeline.pictures import run_pictures  # needs NumPy
+
     quiet = options.quiet or options.json
     files: tuple[str, ...] = ()
     if options.png is not None:
