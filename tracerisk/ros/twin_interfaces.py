@@ -21,6 +21,7 @@ from tracerisk.ros.moveit.servo import Servo
 from tracerisk.ros.robot.action_topics import ActionTopics
 from tracerisk.ros.robot.bring_up.display import Display
 from tracerisk.ros.robot.bring_up.node_parameters import NodeParameters
+from tracerisk.ros.robot.bring_up.system import SystemState
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.controllers import ControllerManager
 from tracerisk.ros.robot.grippers import GripperServer
@@ -43,7 +44,8 @@ class TwinInterfaces:
 
     def __init__(self, runtime: Runtime, interfaces: Any) -> None:
         self._actions = runtime.client(Actions)
-        commands = runtime.client(TwinCommands)
+        self._system = runtime.client(SystemState)
+        commands = self._commands = runtime.client(TwinCommands)
         messages = self.messages = TwinMessages(interfaces)
         follow = FollowServer(runtime, messages)
         self._types: dict[str, tuple[Handler, Handler]] = {
@@ -83,6 +85,8 @@ class TwinInterfaces:
         if change != "client" or type_name not in self._types or (name, type_name) in self._served:
             return
         self._served.add((name, type_name))
+        if words := self._system.words_of_slip(name, type_name):
+            self._commands.report("name_assumed", f"action {words}", object_name=name)
         on_goal, on_cancel = self._types[type_name]
         self._actions.serve(
             name, type_name, node=_NODE, on_goal=on_goal, on_cancel=on_cancel, by_controller=False

@@ -60,6 +60,48 @@ here = measured()
     assert command.end == "arrived"
 
 
+@pytest.mark.parametrize(
+    ("made", "meant"),
+    [
+        (
+            "actionlib.SimpleActionClient('/left/panda_arm_controler/follow_joint_trajectory', "
+            "FollowJointTrajectoryAction)",
+            "/left/panda_arm_controller/follow_joint_trajectory",
+        ),
+        (
+            "actionlib.SimpleActionClient('panda_hand_controller/griper_cmd', GripperCommandAction)",
+            "/panda_hand_controller/gripper_cmd",
+        ),
+        (
+            "rospy.Publisher('/panda_arm_contoller/command', JointTrajectory, queue_size=1)",
+            "/panda_arm_controller/command",
+        ),
+        (
+            "actionlib.SimpleActionClient('exexute_trajectory', ExecuteTrajectoryAction)",
+            "/execute_trajectory",
+        ),
+        # A robot's own name is nobody's mistake, nor is one that is no slip.
+        (
+            "actionlib.SimpleActionClient('/panda_arm_controller/follow_joint_trajectory', "
+            "FollowJointTrajectoryAction)",
+            None,
+        ),
+        (
+            "actionlib.SimpleActionClient('/uanda_arm_controller/follow_joint_trajectory', "
+            "FollowJointTrajectoryAction)",
+            None,
+        ),
+        ("rospy.Publisher('/right_arm_controller/command', JointTrajectory, queue_size=1)", None),
+    ],
+)
+def test_a_name_that_is_likely_misspelt_is_reported(ran, made, meant):
+    result = ran(f"from moveit_msgs.msg import ExecuteTrajectoryAction\nmade = {made}")
+    found = [finding for finding in result.recording.findings if finding.kind == "name_assumed"]
+    assert [f"is likely a mistake for {meant}: " in finding.message for finding in found] == (
+        [] if meant is None else [True]
+    )
+
+
 @pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("goal", "code", "expected"),

@@ -56,6 +56,7 @@ _OF_FINDING = {
     "unprovided": "unmet-need",
     "foreign_gripper": "robot-assumed",
     "one_robot": "robot-assumed",
+    "name_assumed": "robot-assumed",
     "distro_assumed": "distro-assumed",
     "stopped_at_limit": "stopped-at-limit",
     "denied": "access-denied",

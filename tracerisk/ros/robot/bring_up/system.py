@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.text.near_names import is_respelt
 from tracerisk.ros.graph.actions import Actions, topics_of_action
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 
@@ -53,6 +54,14 @@ PARAMETER_SERVICES = {
     "set_parameters_atomically": "rcl_interfaces/SetParametersAtomically",
 }
 """The services of each node of ROS 2, below its name."""
+
+_LEAVES = {
+    "control_msgs/FollowJointTrajectory": ("follow_joint_trajectory",),
+    "control_msgs/GripperCommand": ("gripper_cmd", "gripper_action"),
+    "trajectory_msgs/JointTrajectory": ("command", "joint_trajectory"),
+    "std_msgs/Float64MultiArray": ("command", "commands"),
+}
+"""The ends of names below a controller's, by type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +175,26 @@ class SystemState:
             action = f"/{controller}/follow_joint_trajectory"
             rows.append((action, "control_msgs/FollowJointTrajectory", node))
         return tuple(rows)
+
+    def words_of_slip(self, name: str, type_name: str) -> str:
+        """Return what to say of an action or a command topic whose name is likely misspelt, or "".
+
+        Each is served under any name, for nobody knows those of a robot that no file describes.
+        """
+        controllers = self._runtime.client(ControllerStates).all
+        known = [f"{one}/{leaf}" for one in controllers for leaf in _LEAVES.get(type_name, ())]
+        known += [action.strip("/") for action, kind, _ in self.actions() if kind == type_name]
+        parts = name.strip("/").split("/")
+        ends = {other: "/".join(parts[-len(other.split("/")) :]) for other in known}
+        if any(end == other for other, end in ends.items()):
+            return ""
+        meant = next((other for other, end in ends.items() if is_respelt(end, other)), None)
+        if meant is None:
+            return ""
+        return (
+            f"{name} is likely a mistake for {name.removesuffix(ends[meant])}{meant}: the twin "
+            "serves it all the same, the robot may not"
+        )
 
     def action_names_and_types(self) -> tuple[tuple[str, str], ...]:
         """Return name and type of every action that has a client or a server, sorted."""

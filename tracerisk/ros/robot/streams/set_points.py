@@ -30,6 +30,7 @@ from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.bring_up.states import ControllerStates
+from tracerisk.ros.robot.bring_up.system import SystemState
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.streams.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.robot.streams.command_topics import (
@@ -94,6 +95,8 @@ class SetPoints(TrajectoryNode):
             if type_name == JOINT_STATE_TYPE and name.endswith(f"/{_FEEDBACK}"):
                 self._note_feedback(name)
             return
+        if words := self._runtime.client(SystemState).words_of_slip(name, type_name):
+            self._commands.report("name_assumed", f"topic {words}", object_name=name)
         take = self._if_commanded(self._if_active(self._takers[type_name]))
 
         def deliver(message: Any, publication: Publication) -> None:
