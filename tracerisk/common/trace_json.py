@@ -6,6 +6,7 @@ import json
 from dataclasses import asdict
 from typing import Any
 
+from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import MismatchError, read_plain
 from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, LogError, one_of
@@ -14,6 +15,28 @@ from tracerisk.trace import Trace
 SCHEMA = "tracerisk-trace"
 VERSION = 2
 """Raised when a field is added whose absence would be read as a use that never was."""
+
+_PLACES = frozenset({"by", "called_from", "callers", "column", "line", "location"})
+"""Keys of a trace that say where something stands in a source: comments and blocks move it."""
+
+
+def trace_digest(trace: Trace) -> str:
+    """Return what identifies a run: a digest of all that its trace says but lines of sources.
+
+    The trace that is read back from its JSON has the same one.
+    """
+    text = json.dumps(_without_places(trace_data(trace)), sort_keys=True)
+    return sha256(text.encode())
+
+
+def _without_places(value: Any) -> Any:
+    if isinstance(value, dict):
+        kept = {key: item for key, item in value.items() if key not in _PLACES}
+        return {key: _without_places(item) for key, item in kept.items()}
+    if isinstance(value, list | tuple):
+        return [_without_places(item) for item in value]
+    # A whole number may be read back as a fraction.
+    return float(value) if type(value) is int else value
 
 
 def trace_data(trace: Trace) -> dict[str, Any]:

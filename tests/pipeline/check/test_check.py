@@ -273,6 +273,42 @@ def test_other_hardware_data_change_values_without_a_run(project, where):
     assert check(project)[:2] == (0, [])
 
 
+def without_wear(exposure):
+    exposure["wear"] = [0.0 for _ in exposure["wear"]]
+
+
+def without_starts(exposure):
+    exposure["starts"] = 0
+
+
+def half_in_use(exposure):
+    for key in ("active_s", "moving_s", "holding_s"):
+        exposure[key] /= 2.0
+
+
+@pytest.mark.slow(but=1)
+@pytest.mark.parametrize("smaller", [without_wear, without_starts, half_in_use])
+def test_no_values_come_from_a_kept_trace_that_is_not_the_one_of_the_lock(project, smaller):
+    """A trace by which the robot has less to bear, with an edit that asks for new values."""
+    hardware = "components:\n  motor: {quantity: 7, probability: {value: %s, per: minute}, twin: {joints: '*'}}\n"
+    project.write("arm.yaml", hardware % "1e-7")
+    project.write("pyproject.toml", '[tool.tracerisk]\nhardware = "arm.yaml"\n')
+    assert project.run("run", "c.py", "-q", "--discard-edits").code == 0
+    (cached,) = (project.folder / ".tracerisk_cache").glob("*.json")
+    honest = cached.read_bytes()
+    trace = json.loads(honest)
+    for visit in trace["visits"]:
+        for exposure in visit["exposures"].values():
+            smaller(exposure)
+    cached.write_text(json.dumps(trace))
+    project.write("arm.yaml", hardware % "2e-7")
+    outcome = project.run("refresh")
+    assert outcome.code == 0, outcome.err
+    assert "the trace kept here is not the one of tracerisk.lock" in outcome.err
+    assert cached.read_bytes() == honest, "it was run anew"
+    assert check(project)[:2] == (0, [])
+
+
 def test_a_refresh_uses_the_options_of_the_last_run_again(project):
     project.write("cell.yaml", "name: cell\ntitle: A cell\n")
     assert project.run("run", "c.py", "--seed", "7", "--scene", "cell.yaml", "-q").code == 0

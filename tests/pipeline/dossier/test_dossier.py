@@ -545,6 +545,11 @@ def shorter_visits(trace: dict) -> None:
         visit["duration_s"] *= 0.9
 
 
+def elsewhere(trace: dict) -> None:
+    trace["outcome"]["rests"][0]["tool_m"][2] += 0.1
+    trace["outcome"]["rests"][0]["joints"][0] += 0.1
+
+
 def less_in_use(trace: dict) -> None:
     # By half a percent and more: what is less, a lock may have kept from a run before.
     for visit in trace["visits"]:
@@ -562,6 +567,7 @@ def less_in_use(trace: dict) -> None:
         (shorter, "differ in the length"),
         (shorter_visits, "differ in the durations of its visits"),
         (less_in_use, "differ in the times in use of its elements"),
+        (elsewhere, "differ in the outcome"),
     ],
 )
 def test_no_dossier_of_a_run_that_the_blocks_and_the_lock_do_not_follow_from(
@@ -572,10 +578,11 @@ def test_no_dossier_of_a_run_that_the_blocks_and_the_lock_do_not_follow_from(
     trace = json.loads(cached.read_text())
     change(trace)
     cached.write_text(json.dumps(trace))
-    outcome = example.run("report", "controller.py", "--dossier", "out.zip")
-    assert outcome.code == 2, outcome.err
-    assert why in " ".join(outcome.err.split())
-    assert not (example.folder / "out.zip").exists()
+    for option, name in (("--dossier", "out.zip"), ("--output", "out.html")):
+        outcome = example.run("report", "controller.py", option, name)
+        assert outcome.code == 2, outcome.err
+        assert why in " ".join(outcome.err.split())
+        assert not (example.folder / name).exists()
 
 
 def test_no_dossier_where_the_lock_says_other_times_than_the_run(

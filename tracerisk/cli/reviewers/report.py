@@ -302,7 +302,6 @@ def _write_dossier(
     settings = _settings(kept, options)
     evidence = None
     if kept is not None and kept.trace is not None:
-        check_kept_trace(kept)
         evidence = used_evidence(kept.controller, settings, kept.fingerprint)
     root = controller_root(Path(options.files[0]))
     data = dossier(page, html, root, settings=settings, evidence=evidence)
@@ -332,6 +331,7 @@ def _run_of(
         return "No run is known of these sources."
     if kept.trace is None:
         return f"{kept.reason} {_remedy(kept, 'the page shows it')}; `--trace` names another."
+    check_kept_trace(kept)
     return run_shown(kept.trace, _settings(kept, options), kept, recorded)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
+from tracerisk.common.outcome.kept import kept_changes, kept_tolerances, outcome_summary
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.check.check import given_options
@@ -100,6 +101,8 @@ def check_kept_trace(kept: KeptRun) -> None:
         longest_s = max((visit.duration_s or 0.0 for visit in trace.visits), default=0.0)
         said["length"] = max(trace.end.simulated_s, longest_s)
         shown["length"] = trace.end.simulated_s
+    outcome = outcome_summary(trace.outcome, kept_tolerances(entry.trace))
+    said["outcome"], shown["outcome"] = False, bool(kept_changes(entry.trace, outcome))
     tolerance = kept.settings.tolerance
     for name, value in said.items():
         if not _is_same(value, shown[name], tolerance):

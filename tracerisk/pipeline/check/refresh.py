@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.adder.lock.lock import ControllerLock, Lock, lock_key
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.verdict import Verdict
@@ -23,6 +23,7 @@ from tracerisk.pipeline.freshness.run_inputs import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict, with_refused
+from tracerisk.pipeline.trace.summary import is_run_of
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace
@@ -95,6 +96,8 @@ def refresh_controller(
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)
             reasons = () if trace is not None else ("its trace is not kept here",)
+            if trace is not None and not is_run_of(entry.trace, trace):
+                trace, reasons = None, (f"the trace kept here is not the one of {LOCK_NAME}",)
             if not is_judged:
                 reasons = ("its last run has no verdict",) if trace is None else ()
     how: How = "recomputed" if trace is not None else "simulated"

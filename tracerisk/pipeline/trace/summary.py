@@ -12,10 +12,14 @@ from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import OUTCOME, kept_outcome, kept_tolerances, outcome_summary
 from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
+from tracerisk.common.trace_json import trace_digest
 from tracerisk.common.worlds.world_run import WorldRun, joined_worlds, worlds_summary
 from tracerisk.pipeline.trace.kept_verdict import verdict_summary
 from tracerisk.pipeline.trace.last_run import last_run_summary
 from tracerisk.trace import Trace
+
+DIGEST = "digest"
+"""The key of the digest of the whole trace."""
 
 
 def trace_summary(
@@ -32,8 +36,9 @@ def trace_summary(
     Beside these stand, by component, the failure probabilities of its instances in one visit,
     with 4 significant digits. The verdict of the run is kept with its reasons, its lines
     as they are given. Where the lock has the summary `kept` of the very same run, a number that
-    differs from it by no more than `noise`, relatively, stays as it is there. Motions that never
-    ran and unexpected contacts are kept where there are any.
+    differs from it by no more than `noise`, relatively, stays as it is there; where all do, so
+    does the digest of the trace, and two processors write the same. Motions that never ran and
+    unexpected contacts are kept where there are any.
     `worlds` are runs of the same inputs in worlds that the trace does not have.
     """
     functions: dict[str, Any] = {}
@@ -66,13 +71,23 @@ def trace_summary(
         "robot": trace.robot,
         "scene": trace.scene,
         "end": trace.end.cause,
+        DIGEST: trace_digest(trace),
         "functions": functions,
         **verdict_summary(trace.verdict),
         **last_run_summary(trace),
         **_outcome(trace, kept or {}, tolerances),
         **worlds_summary(joined_worlds(worlds, trace.worlds)),
     }
-    return summary if kept is None or not noise else _steady(kept, summary, noise)
+    if kept is None or not noise:
+        return summary
+    steady: dict[str, Any] = _steady(kept, summary, noise)
+    as_kept = {**steady, DIGEST: kept.get(DIGEST, summary[DIGEST])}
+    return as_kept if as_kept == {**as_kept, **kept} else steady
+
+
+def is_run_of(kept: Mapping[str, Any], trace: Trace) -> bool:
+    """Return whether a trace is, to the digit, the one of which a lock keeps this summary."""
+    return bool(kept.get(DIGEST) == trace_digest(trace))
 
 
 def _steady(before: Any, now: Any, noise: float) -> Any:
