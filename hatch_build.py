@@ -35,6 +35,8 @@ PAGES = "tracerisk/cli/set_up/pages.zip"
 """The pages of the documentation in a wheel, for `tracerisk docs`."""
 MAN_PAGE = "share/man/man1/tracerisk.1"
 """Where `man` looks for it, in an environment's folder."""
+COMMIT = "commit"
+"""The file among the extra metadata of a wheel that names the commit it was built from."""
 _WITHOUT = "trees are solved by Python alone, and large ones take very long"
 
 _LINK = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
@@ -84,6 +86,10 @@ class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
         page.write_text(man_page(root, self.metadata.version), encoding="utf-8")
         build_data["shared_data"][str(page)] = MAN_PAGE
         build_data["force_include"].update(packed_data(root, Path(self._folder.name)))
+        if commit := built_commit(root):
+            named = Path(self._folder.name) / COMMIT
+            named.write_text(f"{commit}\n", encoding="utf-8")
+            build_data["extra_metadata"][str(named)] = COMMIT
         library = Path(self._folder.name) / "loops.so"
         if compile_loops(root, library):
             build_data["force_include"][str(library)] = LIBRARY
@@ -99,6 +105,17 @@ class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
         """Remove what was made, now that it is in the wheel."""
         if version != "editable":
             self._folder.cleanup()
+
+
+def built_commit(root: Path) -> str:
+    """Return the commit of the sources in a folder; empty where they are not just those of one."""
+    if not (root / ".git").exists() or not shutil.which("git"):
+        return ""
+    head, changed = (
+        subprocess.run(["git", *words], cwd=root, capture_output=True, text=True, check=False)
+        for words in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
+    )
+    return "" if head.returncode or changed.returncode or changed.stdout else head.stdout.strip()
 
 
 def packed_data(root: Path, folder: Path) -> dict[str, str]:

@@ -68,6 +68,25 @@ def made(hatch_build, monkeypatch):
     return make
 
 
+def test_a_wheel_names_the_commit_of_sources_that_are_just_those_of_one(hatch_build, tmp_path):
+    def git(*words: str) -> str:
+        who = ("-c", "user.name=me", "-c", "user.email=me@example.org")
+        return subprocess.run(
+            ["git", *who, *words], cwd=tmp_path, check=True, capture_output=True, text=True
+        ).stdout.strip()
+
+    assert hatch_build.built_commit(tmp_path) == ""
+    git("init", "-q")
+    assert hatch_build.built_commit(tmp_path) == ""
+    (tmp_path / "arm.py").write_text("one\n")
+    git("add", "arm.py")
+    git("commit", "-qm", "One")
+    (tmp_path / "build.log").write_text("left by somebody\n")
+    assert hatch_build.built_commit(tmp_path) == git("rev-parse", "HEAD")
+    (tmp_path / "arm.py").write_text("two\n")
+    assert hatch_build.built_commit(tmp_path) == ""
+
+
 def test_links_of_the_description_lead_to_the_tag(made):
     metadata = made("0.2.0", "https://git.example.org/tracerisk/")
     text = metadata["readme"]["text"]

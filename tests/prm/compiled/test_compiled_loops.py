@@ -145,7 +145,7 @@ def made_files(hatch_build):
 def test_a_wheel_is_for_the_machine_that_its_loops_were_compiled_on(hatch_build, monkeypatch):
     monkeypatch.delenv("CC", raising=False)
     hook = made_files(hatch_build)
-    data = {"force_include": {}, "shared_data": {}}
+    data = {"extra_metadata": {}, "force_include": {}, "shared_data": {}}
     hook.initialize("standard", data)
     places = {place: made for made, place in data["force_include"].items()}
     made = places["tracerisk/prm/compiled/loops.so"]
@@ -160,7 +160,7 @@ def test_a_wheel_is_for_the_machine_that_its_loops_were_compiled_on(hatch_build,
 def test_a_wheel_without_a_compiler_is_for_every_machine(hatch_build, monkeypatch, capfd, compiler):
     monkeypatch.setenv("CC", compiler)
     hook = made_files(hatch_build)
-    data = {"force_include": {}, "shared_data": {}}
+    data = {"extra_metadata": {}, "force_include": {}, "shared_data": {}}
     hook.initialize("standard", data)
     hook.finalize("standard", data, "")
     assert "tracerisk/prm/compiled/loops.so" not in data["force_include"].values()

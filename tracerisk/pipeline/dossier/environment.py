@@ -27,7 +27,7 @@ class Environment:
 
     installed_from: str = ""
     """What tracerisk was installed from: the commit of git, or the digest of its archive; "" where
-    pip did not note it, as of a package index."""
+    neither pip nor the build noted it."""
 
     @property
     def constraints(self) -> str:
@@ -43,6 +43,8 @@ class Environment:
 
 _NAMED = ("mujoco", "dm-control", "numpy", "scipy")
 """The packages on whose versions figures depend most."""
+_COMMIT = "extra_metadata/commit"
+"""Where `hatch_build.py` puts the commit that a wheel was built from."""
 
 
 def environment() -> Environment:
@@ -60,12 +62,14 @@ def environment() -> Environment:
 
 
 def _installed_from() -> str:
-    """Return what pip noted of the origin of tracerisk: PEP 610, `direct_url.json`."""
+    """Return what the build noted of the origin of tracerisk, else pip: PEP 610."""
     try:
-        text = distribution("tracerisk").read_text("direct_url.json")
+        installed = distribution("tracerisk")
     except PackageNotFoundError:
         return ""
-    return origin_words(json.loads(text or "{}"))
+    commit = (installed.read_text(_COMMIT) or "").strip()
+    noted = {"vcs_info": {"commit_id": commit}} if commit else None
+    return origin_words(noted or json.loads(installed.read_text("direct_url.json") or "{}"))
 
 
 def origin_words(noted: Mapping[str, Any]) -> str:

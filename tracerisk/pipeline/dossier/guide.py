@@ -94,7 +94,11 @@ def guide(
         "`calculation.md` goes from the rates of the hardware description to the mission. Its "
         "numbers have eight digits.\n",
         "## Make it again\n",
-        _again(report.record, "" if report.trace is None else report.trace.controller),
+        _again(
+            report.record,
+            environment.installed_from,
+            "" if report.trace is None else report.trace.controller,
+        ),
     ]
     return "\n".join(parts)
 
@@ -337,12 +341,14 @@ def _top(value: float) -> str:
     return f"{value:.6g}"
 
 
-def _again(record: Record, controller: str) -> str:
+def _again(record: Record, origin: str, controller: str) -> str:
     """Return the commands that give the figure again, files that the commit lacks included.
 
-    `controller` is the path of the one that ran; empty where that is not known.
+    `origin` is what tracerisk was installed from, and `controller` the path of the one that ran;
+    empty where that is not known.
     """
-    lines = [f"pip install --constraint DOSSIER/{CONSTRAINTS} 'tracerisk[sim]=={record.version}'"]
+    wanted, why = _tool_wanted(record.version, origin)
+    lines = [f"pip install --constraint DOSSIER/{CONSTRAINTS} '{wanted}'"]
     if record.commit is not None:
         lines.append(f"git checkout {record.commit.id}")
     copied = [file for file in record.files if file.state not in ("as committed", "with tracerisk")]
@@ -355,12 +361,6 @@ def _again(record: Record, controller: str) -> str:
     source = shlex.quote(controller if controller in sources else next(iter(sources), "FILE"))
     lines += [f"tracerisk run {source}", f"tracerisk report {source} --dossier dossier.zip"]
     commands = "\n".join(lines)
-    why = ""
-    if ".dev" in record.version:
-        why = (
-            f"No package index has version {record.version}, a commit between two releases: "
-            "install that commit instead, as `tracerisk docs howto-ci` says. "
-        )
     if copied:
         why += "What the commit lacks or has otherwise: these files are copied from here first. "
     if record.variables:
@@ -372,6 +372,24 @@ def _again(record: Record, controller: str) -> str:
         "`given`, if anything. The same files, commit, versions and kind of processor give the "
         "same bytes.\n"
     )
+
+
+def _tool_wanted(version: str, origin: str) -> tuple[str, str]:
+    """Return what pip is to install, and what is to be known of it: a sentence, or nothing."""
+    kind, _, commit = origin.partition(" ")
+    if ".dev" not in version:
+        return f"tracerisk[sim]=={version}", ""
+    none = f"No package index has version {version}, a development version: install it from "
+    if kind == "commit":
+        where = "its commit, with `REPOSITORY` for the address of tracerisk's repository. "
+        return f"tracerisk[sim] @ git+REPOSITORY@{commit}", none + where
+    if origin:
+        return "WHEEL[sim]", none + f"the {origin}, with `WHEEL` for the path of that file. "
+    where = (
+        "its source, with `SOURCE` for the folder. Of which commit it is, the installation does "
+        "not say: ask who made this dossier. "
+    )
+    return "SOURCE[sim]", none + where
 
 
 def packed_name(path: str) -> str:
