@@ -309,6 +309,20 @@ def test_no_values_come_from_a_kept_trace_that_is_not_the_one_of_the_lock(projec
     assert check(project)[:2] == (0, [])
 
 
+def test_other_tolerances_of_the_outcome_come_into_the_lock_without_a_run(project):
+    change(project, "pyproject.toml", "seed = 0\n", "seed = 0\noutcome_place_mm = 5.0\n")
+    code, kinds, message = check(project)
+    assert (code, kinds) == (1, [("stale", "c.py", 1)])
+    assert "setting outcome_place_mm was 2, is 5" in message
+    source = project.read("c.py")
+    outcome = project.run("refresh")
+    assert "values recomputed from the cached trace" in outcome.err
+    assert project.read("c.py") == source
+    (entry,) = json.loads(project.read("tracerisk.lock"))["controllers"].values()
+    assert entry["trace"]["outcome"]["tolerances"]["place_m"] == 0.005
+    assert check(project)[:2] == (0, [])
+
+
 def test_a_refresh_uses_the_options_of_the_last_run_again(project):
     project.write("cell.yaml", "name: cell\ntitle: A cell\n")
     assert project.run("run", "c.py", "--seed", "7", "--scene", "cell.yaml", "-q").code == 0

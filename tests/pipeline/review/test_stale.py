@@ -231,7 +231,7 @@ def test_what_never_ran_is_no_news_under_another_name(repository, annotated_sour
         if not version:
             repository.commit()
     found = only(review([], repository.folder))
-    assert found.of_run == (
+    assert found.of_comparison == (
         "what the earlier run brought about is not known: its lock does not say",
         "what the later run brought about is not known: its lock does not say",
     )

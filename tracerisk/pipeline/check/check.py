@@ -37,6 +37,7 @@ from tracerisk.pipeline.check.run import (
 from tracerisk.pipeline.freshness.freshness import (
     check_changed_hardware,
     stale_reasons,
+    tolerance_reasons,
     values_reasons,
 )
 from tracerisk.pipeline.freshness.known_controllers import (
@@ -227,6 +228,7 @@ def _stale(
     reasons = (
         *stale_reasons(recorded, controller, settings),
         *values_reasons(recorded, controller, settings),
+        *tolerance_reasons(entry, settings),
     )
     place = Location(str(controller.path), 1)
     if reasons:

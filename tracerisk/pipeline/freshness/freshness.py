@@ -8,7 +8,10 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
+from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -24,6 +27,13 @@ from tracerisk.pipeline.freshness.run_inputs import (
 )
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller
+
+_TOLERANCES = (
+    ("outcome_place_mm", "place_m", 1000.0),
+    ("outcome_angle_deg", "angle_deg", 1.0),
+    ("outcome_joint_mrad", "joint", 1000.0),
+)
+"""Settings of the outcome, with the name and the unit that the lock has for each."""
 
 
 def variable_changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterable[str]:
@@ -71,6 +81,20 @@ def values_reasons(
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
         texts.append(f"{EVIDENCE_NAME} has changed")
     return tuple(texts)
+
+
+def tolerance_reasons(entry: ControllerLock, settings: Settings) -> Iterable[str]:
+    """Yield which tolerances of an outcome are not those with which the lock keeps it.
+
+    By those of the locks `diff` judges whether two missions are the same.
+    """
+    if kept_outcome(entry.trace) is None:
+        return
+    now, before = Tolerances.of(settings), kept_tolerances(entry.trace)
+    for name, field_name, per_unit in _TOLERANCES:
+        was, is_now = getattr(before, field_name), getattr(now, field_name)
+        if was != is_now:
+            yield f"setting {name} was {was * per_unit:g}, is {is_now * per_unit:g}"
 
 
 def check_changed_hardware(settings: Settings, recorded: RunInputs) -> None:

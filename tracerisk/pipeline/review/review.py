@@ -255,7 +255,8 @@ def difference(
     changes_of_run = run_changes(controller.before, controller.after, names)
     diff = replace(
         diff,
-        of_run=(*changes_of_run, *(outcome_gaps(controller) if old and new else ())),
+        of_run=changes_of_run,
+        of_comparison=tuple(outcome_gaps(controller)) if old and new else (),
         of_evidence=evidence_changes(controller.before, controller.after),
         verdicts=verdicts,
         hardware=_hardware_changes(controller),

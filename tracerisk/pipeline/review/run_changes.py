@@ -203,4 +203,4 @@ def outcome_gaps(controller: ReviewedController) -> Iterator[str]:
         if kept_outcome(trace) is None:
             yield f"what the {name} run brought about is not known: its lock does not say"
     if kept_tolerances(traces[0]) != kept_tolerances(traces[1]):
-        yield "the tolerances of the outcome differ in the settings: the smaller ones count"
+        yield "their locks hold different tolerances of the outcome: the smaller ones count"

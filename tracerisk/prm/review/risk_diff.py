@@ -55,6 +55,9 @@ class RiskDiff:
     of_run: tuple[str, ...] = ()
     """What only the later run showed, such as unexpected contacts and motions without risk
     data; one sentence each."""
+    of_comparison: tuple[str, ...] = ()
+    """What keeps the outcomes of the two runs from being compared, or by what they are; one
+    sentence each."""
     of_evidence: tuple[str, ...] = ()
     """What failures do otherwise, by the evidence of both versions; one sentence each."""
     verdicts: RunVerdicts | None = None
@@ -203,7 +206,7 @@ class RiskDiff:
         """Return what `Review.is_worth_telling` says, for one controller."""
         if self.before is None or self.after is None or self.pins:
             return True
-        if self.of_run or self.of_evidence:
+        if self.of_run or self.of_comparison or self.of_evidence:
             return True
         if self.asked_less or self.asked_otherwise or self.asked_newly or self.checks:
             return True

@@ -21,6 +21,9 @@ from tracerisk.report.diff.wording import (
 OF_RUN = "What the run showed that it did not before"
 
 
+OF_COMPARISON = "How far the outcomes of the two runs are compared"
+
+
 OF_EVIDENCE = "What failures on the twin do now that they did not before"
 
 
@@ -187,6 +190,7 @@ def above_figures(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]
     """Return what a reviewer must see before any figure, with the title of each list."""
     pairs = [
         *_of_missions(diff),
+        (OF_COMPARISON, list(diff.of_comparison)),
         (OF_RUN, list(diff.of_run)),
         (OF_EVIDENCE, list(diff.of_evidence)),
         *_checks_lists(review, diff),
