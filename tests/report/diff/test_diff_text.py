@@ -165,7 +165,8 @@ def test_the_first_sentence_puts_a_cause_together_over_functions(difference, rev
     sentence = first_sentence(render_diff(review_of(diff)))
     # 24e-8 of 34e-8, where no single change makes more than the motor's 10e-8.
     assert sentence.endswith(
-        "mostly through gripper in 3 functions [set by hand], 71 % of the rise."
+        "mostly through gripper in 3 functions [set by hand], 71 % of the rise, and motor in "
+        "reach: probability 1e-7 -> 2e-7 (x2) [edited by hand], 29 %."
     )
     found = [(each.component, each.kinds, each.functions) for each in diff.causes]
     assert found == [
@@ -173,6 +174,21 @@ def test_the_first_sentence_puts_a_cause_together_over_functions(difference, rev
         ("motor", ("edited by hand",), ("reach",)),
     ]
     assert diff.causes[0].contribution == pytest.approx(2.4e-7, rel=1e-6)
+
+
+def test_the_first_sentence_names_a_cause_of_another_kind_that_made_much_of_it(
+    difference, review_of
+):
+    before = {"reach": ("grip 1", "motor = 1e-7"), "grip": ("done 1", "gripper = 1e-7")}
+    after = {
+        "reach": ("grip 1", "motor = 6e-7"),
+        "grip": ("done 1", "gripper := 5e-7 ! computed 1e-7"),
+    }
+    sentence = first_sentence(render_diff(review_of(difference(before, after))))
+    assert sentence.endswith(
+        "mostly through motor in reach: probability 1e-7 -> 6e-7 (x6) [edited by hand], 56 % of "
+        "the rise, and gripper in grip: probability 1e-7 -> 5e-7 (x5) [set by hand], 44 %."
+    )
 
 
 def test_the_first_sentence_says_why_the_first_cycle_changes_by_another_ratio(

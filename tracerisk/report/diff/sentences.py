@@ -163,10 +163,15 @@ def _same_mission(diff: RiskDiff) -> str:
     return f"; the mission brings about the same, {way}"
 
 
+_ALSO = 0.2
+"""The share of a change from which on a cause of another kind is named beside the main one."""
+
+
 def _main_cause(diff: RiskDiff) -> str:
     """Return what made most of a change, with its share; where others work against, what each does.
 
-    What works against the change is not what made it.
+    What works against the change is not what made it. Beside code, new data are named, and the
+    reverse, where they made much of it.
     """
     parts = [(cause, (cause.contribution or 0.0) / diff.increase) for cause in diff.causes]
     first = next(((cause, share) for cause, share in parts if share > 0.0), None)
@@ -184,7 +189,11 @@ def _main_cause(diff: RiskDiff) -> str:
         return f"{text} ({difference(cause.contribution)})"
     if len(parts) == 1 and round(100.0 * share) == 100:
         return text
-    return f"{text}, {100.0 * share:.0f} % of the {'rise' if diff.increase > 0.0 else 'fall'}"
+    text += f", {100.0 * share:.0f} % of the {'rise' if diff.increase > 0.0 else 'fall'}"
+    for other, part in parts:
+        if other.kinds != cause.kinds and part >= _ALSO:
+            return f"{text}, and {other.summary}{_because(other)}, {100.0 * part:.0f} %"
+    return text
 
 
 def _by_evidence(diff: RiskDiff, old: float, new: float) -> str:
