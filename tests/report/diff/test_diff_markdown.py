@@ -43,7 +43,7 @@ def test_what_stands_between_backticks_is_code_if_it_is_a_word_or_a_command(diff
     diff = replace(difference(step, step), asked_less=("jar at `x|y`",))
     notes = ("run `tracerisk check pick.py`, not `<b>`",)
     text = render_diff_markdown(review_of(diff, notes=notes))
-    assert "must do less: `success` no longer asks jar at \\`x\\|y\\`" in text
+    assert "is asked less: `success` no longer asks jar at \\`x\\|y\\`" in text
     assert "run `tracerisk check pick.py`, not \\`\\<b\\>\\`" in text
 
 

@@ -25,7 +25,7 @@ from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.sentences import not_assessed, whole_headline
 from tracerisk.report.diff.text import render_diff
-from tracerisk.report.diff.titled_lists import looks_at_less, must_do_less
+from tracerisk.report.diff.titled_lists import looks_at_less, is_asked_less
 from tracerisk.report.diff.wording import first_of
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 def _weaker_checks(review: Review, diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     if not options.no_weaker_checks:
         return []
-    texts = [must_do_less(diff)] if diff.asked_less else []
+    texts = [is_asked_less(diff)] if diff.asked_less else []
     texts += [looks_at_less(review, diff)] if diff.lost_checks else []
     return [f"{diff.name}: {text}; --no-weaker-checks" for text in texts]
 
@@ -200,7 +200,7 @@ def _weaker_checks(review: Review, diff: RiskDiff, options: argparse.Namespace) 
 def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     if not options.no_outcome_change:
         return []
-    texts = [f"{must_do_less(diff)}; --no-outcome-change"] if diff.asked_less else []
+    texts = [f"{is_asked_less(diff)}; --no-outcome-change"] if diff.asked_less else []
     if diff.outcome is not None:
         lines = diff.outcome.of_mission
         texts += [f"{first_of(lines)}; --no-outcome-change"] if lines else []

@@ -9,20 +9,26 @@ from tracerisk.ros.scenario.success import COUNTED, Condition
 
 
 def asked_less(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what `old` asks and `new` does not, in words, with what `new` asks of the same."""
-    lines = []
+    """Return what `old` asks and `new` does not, in words, with what `new` asks of the same.
+
+    What `new` does not ask at all comes first.
+    """
+    gone, looser = [], []
     for condition in _not_implied(old, new):
         now = _instead(condition, old, new)
-        if not any(_is_another(later, condition) for later in now):
-            words = ", ".join(map(_words, now))
-            lines.append(_words(condition) + (f"; now: {words}" if words else ""))
-    return tuple(dict.fromkeys(lines))
+        if not now:
+            gone.append(_words(condition))
+        elif not any(_is_another(later, condition) for later in now):
+            was = _words(condition)
+            words = ", ".join(_what_differs(was, _words(later)) for later in now)
+            looser.append(f"{was}; now: {words}")
+    return tuple(dict.fromkeys((*gone, *looser)))
 
 
 def asked_otherwise(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
     """Return what `new` asks in place of what `old` does, no less of it, in words."""
     lines = [
-        f"{_words(later)}; before: {_words(condition)}"
+        f"{_words(later)}; before: {_what_differs(_words(later), _words(condition))}"
         for condition in _not_implied(old, new)
         for later in _instead(condition, old, new)
         if _is_another(later, condition)
@@ -82,6 +88,20 @@ def _not_implied(conditions: Sequence[Condition], others: Sequence[Condition]) -
 
 def _words(condition: Condition) -> str:
     return condition.words + (" (assumed: nobody has confirmed it)" if condition.is_assumed else "")
+
+
+def _what_differs(was: str, now: str) -> str:
+    """Return the words of a condition that are not those of another, and one on either side.
+
+    All words, where the one only goes on where the other ends.
+    """
+    old, new = was.split(" "), now.split(" ")
+    shorter = min(len(old), len(new))
+    head = next((n for n in range(shorter) if old[n] != new[n]), shorter)
+    tail = next((n for n in range(shorter - head) if old[-1 - n] != new[-1 - n]), shorter - head)
+    if head + tail >= shorter:
+        return now
+    return " ".join(new[max(head - 1, 0) : len(new) - max(tail - 1, 0)])
 
 
 def _implies(new: Condition, old: Condition) -> bool:

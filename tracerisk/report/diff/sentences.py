@@ -58,7 +58,7 @@ def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = F
 
 
 def whole_headline(review: Review, *, below_verdicts: bool = False) -> str:
-    """Return the headline, behind which controllers must do less; see `headline`."""
+    """Return the headline, behind which controllers are asked less; see `headline`."""
     said = headline(review, below_verdicts=below_verdicts)
     return " ".join((*(f"{line}." for line in warnings(review)), said))
 
@@ -68,8 +68,8 @@ def _other_mission(diff: RiskDiff) -> str:
     figures = [version for version in (diff.before, diff.after) if version is not None]
     outcome = OutcomeChanges() if diff.outcome is None else diff.outcome
     old, new = figures[0].failure_probability, figures[-1].failure_probability
-    # What it must not do any more stands before all else.
-    said, apart = "must do less" if diff.asked_less else "must do something else", _DIFFERENT
+    # What it is not asked any more stands before all else.
+    said, apart = "is asked less" if diff.asked_less else "is asked something else", _DIFFERENT
     if diff.goes_another_way or outcome.does_something_else:
         what = "does something else" if outcome.result else "does less"
         if diff.goes_another_way:

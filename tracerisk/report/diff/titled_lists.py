@@ -34,7 +34,7 @@ MOST_OF_KIND = 6
 """How many sentences on the outcome of one kind are shown; --json has all."""
 
 
-ASKED_LESS = "What `success` no longer asks"
+ASKED_LESS = "What else `success` no longer asks"
 
 
 ASKED_OTHERWISE = "What `success` asks otherwise"
@@ -143,12 +143,12 @@ def acceptances(diffs: Sequence[RiskDiff]) -> list[str]:
 
 def asked_less(diffs: Sequence[RiskDiff]) -> list[str]:
     """Return of which controllers `success` asks less, a line each: this stands before all else."""
-    return [f"{diff.name} {must_do_less(diff)}" for diff in diffs if diff.asked_less]
+    return [f"{diff.name} {is_asked_less(diff)}" for diff in diffs if diff.asked_less]
 
 
-def must_do_less(diff: RiskDiff) -> str:
+def is_asked_less(diff: RiskDiff) -> str:
     """Return that `success` asks less, and the first that it does not ask any more."""
-    return f"must do less: `success` no longer asks {first_of(diff.asked_less)}"
+    return f"is asked less: `success` no longer asks {first_of(diff.asked_less)}"
 
 
 def warnings(review: Review) -> list[str]:
@@ -202,7 +202,7 @@ def above_figures(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]
 def _of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """Return what the later run brought about otherwise, and what broke and was repaired."""
     pairs = [
-        (ASKED_LESS, list(_at_most(diff.asked_less if len(diff.asked_less) > 1 else ()))),
+        (ASKED_LESS, list(_at_most(diff.asked_less[1:]))),
         (ASKED_OTHERWISE, list(_at_most(diff.asked_otherwise))),
         (ASKED_NEWLY, list(_at_most(diff.asked_newly))),
     ]
