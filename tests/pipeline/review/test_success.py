@@ -107,9 +107,7 @@ def test_a_call_more_is_asked_otherwise_and_not_less(cell):
     assert "is asked less" not in out.out
     assert f"What `success` asks otherwise - {said}" in " ".join(out.out.split())
     fewer = only(review(["HEAD"], cell(calls % 3, calls % 2).folder))
-    assert fewer.asked_less == (
-        "called /weigh exactly 3 times; now: exactly 2 times",
-    )
+    assert fewer.asked_less == ("called /weigh exactly 3 times; now: exactly 2 times",)
 
 
 def test_a_stricter_success_is_told_and_stopped_by_no_gate(cell):

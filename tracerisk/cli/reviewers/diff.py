@@ -25,7 +25,7 @@ from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.sentences import not_assessed, whole_headline
 from tracerisk.report.diff.text import render_diff
-from tracerisk.report.diff.titled_lists import looks_at_less, is_asked_less
+from tracerisk.report.diff.titled_lists import is_asked_less, looks_at_less
 from tracerisk.report.diff.wording import first_of
 
 if TYPE_CHECKING:
