@@ -157,3 +157,18 @@ def test_lines_that_may_meet_a_known_anomaly_are_named(report, source, met):
             assert re.search(r": look at arm\.py:[12]$", line)
         else:
             assert line.endswith(": no such line was found in `files/`")
+
+
+@pytest.mark.parametrize(
+    ("source", "lines"),
+    [
+        (b'import os\nTUBES = int(os.environ.get("TUBES", "1"))\n', "arm.py:2"),
+        (b'from os import getenv\n\nTUBES = getenv("TUBES")\n', "arm.py:3"),
+        (b"TUBES = 10\n", None),
+    ],
+)
+def test_lines_that_read_the_environment_are_named(report, source, lines):
+    text = assumptions(report, {}, {"arm.py": source})
+    said = f"the controller reads environment variables ({lines}): one that the setting `env`"
+    assert (said in text) is (lines is not None)
+    assert ("environment variables" in text) is (lines is not None)

@@ -481,6 +481,8 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     risk = record["failure_probability"]
     assert rate == pytest.approx(-math.log1p(-risk) / (seconds / 3600.0), rel=1e-3)
     assert record["environment"]["packages"]["mujoco"] in facts["made with"]
+    assert facts["how the run ended"] == trace["end"]["message"]
+    assert facts["mission by `success`"].startswith("**nothing declares it**")
     assert "figures of this dossier" not in text
     assert ("No package index has version" in text) is (".dev" in facts["tracerisk"])
     assumed = (folder / "assumptions.md").read_text()

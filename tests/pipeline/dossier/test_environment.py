@@ -2,7 +2,7 @@
 
 import pytest
 
-from tracerisk.pipeline.dossier.environment import origin_words
+from tracerisk.pipeline.dossier.environment import Environment, origin_words
 
 
 @pytest.mark.parametrize(
@@ -19,3 +19,23 @@ from tracerisk.pipeline.dossier.environment import origin_words
 )
 def test_the_origin_is_a_commit_or_a_digest_and_no_place(noted, words):
     assert origin_words(noted) == words
+
+
+@pytest.mark.parametrize(
+    ("version", "origin", "wanted", "why"),
+    [
+        ("1.2", "", "tracerisk[sim]==1.2", ""),
+        ("1.2", "commit ab12", "tracerisk[sim]==1.2", ""),
+        ("1.2.dev3", "commit ab12", "tracerisk[sim] @ git+REPOSITORY@ab12", "from its commit"),
+        ("1.2.dev3", "archive with sha256 cd", "WHEEL[sim]", "from the archive with sha256 cd"),
+        ("1.2.dev3", "", "SOURCE[sim]", "from its source, with `SOURCE` for the folder"),
+    ],
+)
+def test_a_version_that_no_index_has_is_installed_from_what_it_was_made_of(
+    version, origin, wanted, why
+):
+    made_with = Environment("3.12", "Linux", "x86_64", {}, installed_from=origin)
+    said, words = made_with.wanted(version)
+    assert said == wanted
+    assert why in words
+    assert bool(words) == bool(why)

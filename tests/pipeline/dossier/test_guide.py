@@ -7,7 +7,7 @@ import pytest
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.verdict import Reason, Verdict, verdict_line
 from tracerisk.errors import Location
-from tracerisk.pipeline.dossier.guide import _tool_wanted, by_hand_words, warning_of
+from tracerisk.pipeline.dossier.guide import by_hand_words, warning_of
 from tracerisk.pipeline.dossier.sheet import sheet
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html.report_input import ReportInput
@@ -94,22 +94,3 @@ def test_values_set_by_hand_are_counted_on_the_first_pages(report, reasons, word
     assert by_hand_words(by_hand) == words
     assert ("set by hand" in sheet(by_hand)) is bool(words)
     assert words in sheet(by_hand)
-
-
-@pytest.mark.parametrize(
-    ("version", "origin", "wanted", "why"),
-    [
-        ("1.2", "", "tracerisk[sim]==1.2", ""),
-        ("1.2", "commit ab12", "tracerisk[sim]==1.2", ""),
-        ("1.2.dev3", "commit ab12", "tracerisk[sim] @ git+REPOSITORY@ab12", "from its commit"),
-        ("1.2.dev3", "archive with sha256 cd", "WHEEL[sim]", "from the archive with sha256 cd"),
-        ("1.2.dev3", "", "SOURCE[sim]", "from its source, with `SOURCE` for the folder"),
-    ],
-)
-def test_a_version_that_no_index_has_is_installed_from_what_it_was_made_of(
-    version, origin, wanted, why
-):
-    said, words = _tool_wanted(version, origin)
-    assert said == wanted
-    assert why in words
-    assert bool(words) == bool(why)

@@ -64,20 +64,40 @@ ANOMALIES = (
 """The known anomalies, sorted by number, with the words of docs/safety.md."""
 
 
+_ENVIRONMENT = frozenset({"environ", "environb", "getenv", "getenvb"})
+
+
+def reads_environment(sources: Mapping[str, bytes]) -> list[str]:
+    """Return the lines of Python sources that may read a variable of the environment."""
+    return _places(_trees(sources), lambda node: _names(node) in _ENVIRONMENT)
+
+
+def _names(node: ast.AST) -> str:
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _trees(sources: Mapping[str, bytes]) -> dict[str, ast.Module | None]:
+    return {name: parsed(data) for name, data in sources.items() if name.endswith(".py")}
+
+
+def _places(trees: Mapping[str, ast.Module | None], is_met: Callable[[ast.AST], bool]) -> list[str]:
+    return [
+        f"{name}:{line}"
+        for name, tree in sorted(trees.items())
+        if tree is not None
+        for line in sorted({getattr(node, "lineno", 0) for node in ast.walk(tree) if is_met(node)})
+    ]
+
+
 def met_anomalies(sources: Mapping[str, bytes]) -> Iterator[str]:
     """Yield for each anomaly whom it concerns, and the lines of the sources that may meet it.
 
     `sources` are Python files by name; what does not parse has no lines.
     """
-    trees = {name: parsed(data) for name, data in sources.items() if name.endswith(".py")}
+    trees = _trees(sources)
     for anomaly in ANOMALIES:
-        places = [
-            f"{name}:{line}"
-            for name, tree in sorted(trees.items())
-            if tree is not None
-            for line in sorted(
-                {getattr(node, "lineno", 0) for node in ast.walk(tree) if anomaly.is_met(node)}
-            )
-        ]
+        places = _places(trees, anomaly.is_met)
         at = f"look at {', '.join(places)}" if places else "no such line was found in `files/`"
         yield f"{anomaly.number} concerns you if {anomaly.concerns}: {at}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.hardware.shipped import bare_arm, hardware_of, is_shipped
 from tracerisk.common.hardware.sources import without_source
-from tracerisk.pipeline.dossier.anomalies import met_anomalies
+from tracerisk.pipeline.dossier.anomalies import met_anomalies, reads_environment
 from tracerisk.pipeline.dossier.guide import accepted_reasons, warning_of
 from tracerisk.report.instances import component_shares
 from tracerisk.report.tables import share_text
@@ -77,7 +77,7 @@ def assumptions(
     `settings` are those of the run that are not the default, `sources` the files of the dossier
     with the controller's code.
     """
-    data = (*_parts(report), *_of_data(report))
+    data = (*_environment(sources), *_parts(report), *_of_data(report))
     lines = (*report.assumptions, *report.assessment.assumptions, *data)
     found = (*report.findings, *report.assessment.findings)
     general = (f"{assumption}. If wrong: {effect}" for assumption, effect in GENERAL)
@@ -113,6 +113,16 @@ def assumptions(
 
 def _listed(lines: Iterable[str]) -> str:
     return "\n".join(f"- {line}" for line in lines)
+
+
+def _environment(sources: Mapping[str, bytes]) -> Iterator[str]:
+    """Yield that a controller may do something else where a variable is set."""
+    if places := reads_environment(sources):
+        yield (
+            f"the controller reads environment variables ({', '.join(places)}): one that the "
+            "setting `env` does not name is no input of the run, and the sandbox hides it; where "
+            "it is set, the controller may do something else"
+        )
 
 
 def _parts(report: ReportInput) -> Iterator[str]:

@@ -40,6 +40,24 @@ class Environment:
         named = [f"{name} {self.packages[name]}" for name in _NAMED if name in self.packages]
         return ", ".join((f"Python {self.python}", f"{self.system} on {self.processor}", *named))
 
+    def wanted(self, version: str) -> tuple[str, str]:
+        """Return what pip is to install for a version, and a sentence on it; empty for none."""
+        if ".dev" not in version:
+            return f"tracerisk[sim]=={version}", ""
+        kind, _, commit = self.installed_from.partition(" ")
+        none = f"No package index has version {version}, a development version: install it from "
+        if kind == "commit":
+            where = "its commit, with `REPOSITORY` for the address of tracerisk's repository. "
+            return f"tracerisk[sim] @ git+REPOSITORY@{commit}", none + where
+        if self.installed_from:
+            where = f"the {self.installed_from}, with `WHEEL` for the path of that file. "
+            return "WHEEL[sim]", none + where
+        where = (
+            "its source, with `SOURCE` for the folder. Of which commit it is, the installation "
+            "does not say: ask who made this dossier. "
+        )
+        return "SOURCE[sim]", none + where
+
 
 _NAMED = ("mujoco", "dm-control", "numpy", "scipy")
 """The packages on whose versions figures depend most."""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.dossier.environment import Environment
     from tracerisk.prm.hybrid.mission_tree import MissionTree
     from tracerisk.report.html.report_input import ReportInput
+    from tracerisk.trace import Trace
 
 TESTED_SCRAM = "0.16.2"
 """The version of SCRAM that tests solve dossiers with."""
@@ -44,8 +45,7 @@ _CONTENTS = (
     ("files/", "sources with their risk blocks, lock, hardware description, other inputs"),
     ("SHA256SUMS", "the SHA-256 digest of each file"),
 )
-
-
+_CUT = "mission: "  # what an assumption begins with that says how long the mission is
 _UNSEEN = 0.01  # of a mission: no visit lasts exactly as long
 _FOUR_DIGITS = (
     "The blocks hold probabilities of four digits, and the mission is computed from these. More "
@@ -96,7 +96,7 @@ def guide(
         "## Make it again\n",
         _again(
             report.record,
-            environment.installed_from,
+            environment,
             "" if report.trace is None else report.trace.controller,
         ),
     ]
@@ -221,6 +221,8 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
             text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600){visited}; {_TO_AN_HOUR}"
             yield "mean rate", text
     yield "verdict of the run", "; ".join(report.verdict) or "not known"
+    if report.trace is not None:
+        yield from _judged(report.trace)
     accepted = accepted_reasons(report)
     if accepted:
         yield "accepted", f"{counted(len(accepted), 'reason')}: `assumptions.md`"
@@ -241,6 +243,22 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
     yield "tracerisk", report.record.version + (f", installed from {origin}" if origin else "")
     yield "made with", environment.words
     yield "commit", _commit(report.record)
+
+
+def _judged(trace: Trace) -> Iterator[tuple[str, str]]:
+    """Yield how a run ended, and by what it was judged whether it carried out its mission."""
+    cut = [text.removeprefix(_CUT) for text in trace.assumptions if text.startswith(_CUT)]
+    yield "how the run ended", "; ".join((trace.end.message, *cut))
+    met = [condition.words for condition in trace.success if condition.is_met]
+    if trace.success:
+        asked = f"{len(met)} of {counted(len(trace.success), 'condition')} of `success` met"
+        yield "mission by `success`", f"{asked}: {', '.join(met)}"
+    elif trace.verdict is not None:
+        yield (
+            "mission by `success`",
+            "**nothing declares it**: the verdict says that no step went wrong, and not that the "
+            "run brought about what the mission is for",
+        )
 
 
 def outside_visits_s(report: ReportInput) -> float:
@@ -341,13 +359,12 @@ def _top(value: float) -> str:
     return f"{value:.6g}"
 
 
-def _again(record: Record, origin: str, controller: str) -> str:
+def _again(record: Record, environment: Environment, controller: str) -> str:
     """Return the commands that give the figure again, files that the commit lacks included.
 
-    `origin` is what tracerisk was installed from, and `controller` the path of the one that ran;
-    empty where that is not known.
+    `controller` is the path of the one that ran; empty where that is not known.
     """
-    wanted, why = _tool_wanted(record.version, origin)
+    wanted, why = environment.wanted(record.version)
     lines = [f"pip install --constraint DOSSIER/{CONSTRAINTS} '{wanted}'"]
     if record.commit is not None:
         lines.append(f"git checkout {record.commit.id}")
@@ -372,24 +389,6 @@ def _again(record: Record, origin: str, controller: str) -> str:
         "`given`, if anything. The same files, commit, versions and kind of processor give the "
         "same bytes.\n"
     )
-
-
-def _tool_wanted(version: str, origin: str) -> tuple[str, str]:
-    """Return what pip is to install, and what is to be known of it: a sentence, or nothing."""
-    kind, _, commit = origin.partition(" ")
-    if ".dev" not in version:
-        return f"tracerisk[sim]=={version}", ""
-    none = f"No package index has version {version}, a development version: install it from "
-    if kind == "commit":
-        where = "its commit, with `REPOSITORY` for the address of tracerisk's repository. "
-        return f"tracerisk[sim] @ git+REPOSITORY@{commit}", none + where
-    if origin:
-        return "WHEEL[sim]", none + f"the {origin}, with `WHEEL` for the path of that file. "
-    where = (
-        "its source, with `SOURCE` for the folder. Of which commit it is, the installation does "
-        "not say: ask who made this dossier. "
-    )
-    return "SOURCE[sim]", none + where
 
 
 def packed_name(path: str) -> str:
