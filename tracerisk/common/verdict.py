@@ -25,6 +25,8 @@ NEVER_CALLED = "never-called"
 """The code of a call that was not executed, in a function that ran; elsewhere it commanded."""
 MISSION_MISSED = "mission-missed"
 """The code of a condition of `success` that a run did not meet."""
+INPUT_ASSUMED = "input-assumed"
+"""The code of what was taken for granted of an input, such as an unconfirmed condition."""
 UNUSED_INPUT = "unused-input"
 """The code of an entry of the scenario of which nobody made use."""
 GAPS = frozenset({NEVER_RAN, NEVER_CALLED, MISSED_CALL, UNUSED_INPUT})

@@ -8,6 +8,8 @@ from argparse import Namespace
 
 import pytest
 
+from tracerisk.adder.lock.lock import data_digest
+
 HEAD = """\
 import moveit_commander, rospy
 from helper import REACH
@@ -309,6 +311,28 @@ def test_no_values_come_from_a_kept_trace_that_is_not_the_one_of_the_lock(projec
     assert check(project)[:2] == (0, [])
 
 
+def better_verdict(trace):
+    trace["verdict"]["coverage"]["ran"] += 1
+
+
+def another_digest(trace):
+    trace["digest"] = "0" * 64
+
+
+def no_digest(trace):
+    del trace["digest"]
+
+
+@pytest.mark.parametrize("edit", [better_verdict, another_digest, no_digest])
+def test_a_verdict_or_a_digest_of_the_run_that_was_edited_is_found(project, edit):
+    lock = json.loads(project.read("tracerisk.lock"))
+    edit(lock["controllers"]["c.py"]["trace"])
+    project.write("tracerisk.lock", json.dumps(lock))
+    code, kinds, message = check(project)
+    assert (code, kinds) == (1, [("stale", "c.py", 1)])
+    assert "is not as tracerisk wrote it" in message
+
+
 def test_other_tolerances_of_the_outcome_come_into_the_lock_without_a_run(project):
     change(project, "pyproject.toml", "seed = 0\n", "seed = 0\noutcome_place_mm = 5.0\n")
     code, kinds, message = check(project)
@@ -505,13 +529,15 @@ def test_a_refresh_without_a_file_follows_a_controller_that_moved(project):
 
 def test_the_first_line_gives_the_reason_that_makes_the_verdict(project):
     lock = json.loads(project.read("tracerisk.lock"))
-    verdict = lock["controllers"]["c.py"]["trace"]["verdict"]
+    entry = lock["controllers"]["c.py"]
+    verdict = entry["trace"]["verdict"]
     plain = {"function": "", "object": "", "time_s": None, "location": None, "accepted": ""}
     verdict["kind"] = "faulted"
     verdict["reasons"] = [
         {**plain, "code": "object-dropped", "verdict": "faulted", "words": "'cup' fell 90 mm"},
         {**plain, "code": "never-called", "verdict": "partial", "words": "go was not executed"},
     ]
+    entry["digest"] = data_digest(entry)
     project.write("tracerisk.lock", json.dumps(lock))
     first = project.run("check").out.splitlines()[0]
     assert first == "c.py: faulted: 'cup' fell 90 mm; 2 of 2 functions with commands ran"

@@ -547,6 +547,10 @@ def shorter_visits(trace: dict) -> None:
         visit["duration_s"] *= 0.9
 
 
+def unmet(trace: dict) -> None:
+    trace["success"] = [{"words": "called /weigh 2 times", "is_met": False}]
+
+
 def elsewhere(trace: dict) -> None:
     trace["outcome"]["rests"][0]["tool_m"][2] += 0.1
     trace["outcome"]["rests"][0]["joints"][0] += 0.1
@@ -569,6 +573,7 @@ def less_in_use(trace: dict) -> None:
         (shorter, "differ in the length"),
         (shorter_visits, "differ in the durations of its visits"),
         (less_in_use, "differ in the times in use of its elements"),
+        (unmet, "differ in the conditions of `success` that were not met"),
         (elsewhere, "differ in the outcome"),
     ],
 )

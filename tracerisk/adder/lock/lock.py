@@ -268,7 +268,7 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
 
 
 def data_digest(data: Mapping[str, Any]) -> str:
-    """Return the digest of an entry's values and of what they depended on.
+    """Return the digest of an entry's values, of what they depended on, and of the run's verdict.
 
     After a merge that mixes lines of two branches, the stored digest no longer matches.
     """
@@ -277,6 +277,9 @@ def data_digest(data: Mapping[str, Any]) -> str:
     depended_on.pop("given", None)  # only says how the `settings` were passed
     kept = [data.get("blocks"), data.get("fingerprint"), depended_on]
     kept += [data[key] for key in ("behind", "kept") if key in data]
+    trace = data.get("trace")
+    if isinstance(trace, Mapping) and "digest" in trace:  # locks of earlier versions have none
+        kept.append([trace["digest"], trace.get("verdict")])
     text = json.dumps(kept, sort_keys=True, ensure_ascii=False)
     return str(blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest())
 

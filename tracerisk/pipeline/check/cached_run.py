@@ -10,6 +10,7 @@ from typing import Any
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
 from tracerisk.common.outcome.kept import kept_changes, kept_tolerances, outcome_summary
+from tracerisk.common.verdict import INPUT_ASSUMED, MISSION_MISSED
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.check.check import given_options
@@ -24,6 +25,7 @@ from tracerisk.trace import Trace
 _TOLD = ("robot", "scene", "end")
 """What the lock keeps of a run as it is."""
 _WORDS = {  # of what is called otherwise in the lock
+    "success": "conditions of `success` that were not met",
     "duration_s": "durations of its visits",
     "elements": "times in use of its elements",
 }
@@ -91,6 +93,11 @@ def check_kept_trace(kept: KeptRun) -> None:
         None if one is None else [one.kind, *sorted(reason.code for reason in one.reasons)]
         for one in (verdict, trace.verdict)
     )
+    if verdict is not None and not verdict.is_bad:
+        # The reason of an unmet condition that nobody has confirmed is an assumed input.
+        is_named = any(reason.code in (MISSION_MISSED, INPUT_ASSUMED) for reason in verdict.reasons)
+        is_missed = any(not condition.is_met for condition in trace.success)
+        said["success"], shown["success"] = False, is_missed and not is_named
     for name in ("visits", "duration_s", "elements"):
         said[name], shown[name] = (
             {ref: function.get(name) for ref, function in one.get("functions", {}).items()}

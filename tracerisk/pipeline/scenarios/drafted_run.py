@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.text.bounded import file_text
-from tracerisk.common.verdict import MISSION_MISSED, Reason
+from tracerisk.common.verdict import INPUT_ASSUMED, MISSION_MISSED, Reason
 from tracerisk.config import Settings
 from tracerisk.errors import Location
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
@@ -194,12 +194,12 @@ class _Places:
         place = reason.location
         if place is None or Path(place.file).name != self._name:
             return reason
-        is_unused = reason.code not in ("input-assumed", MISSION_MISSED)
+        is_unused = reason.code not in (INPUT_ASSUMED, MISSION_MISSED)
         # No line of the source asks for the robot and the arguments.
         is_asked = not reason.object.startswith(("robot", "arguments[")) or is_unused
         at = self.of(place, is_shown=is_unused)
         moved = replace(reason, location=at if is_asked or place.line in self._of_base else None)
-        if reason.code != "input-assumed" or place.line in self._of_base:
+        if reason.code != INPUT_ASSUMED or place.line in self._of_base:
             return moved
         self.drafted += 1
         text = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)

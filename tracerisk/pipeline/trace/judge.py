@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import (
+    INPUT_ASSUMED,
     MISSED_CALL,
     MISSION_MISSED,
     NEVER_CALLED,
@@ -61,9 +62,9 @@ _OF_FINDING = {
     "stopped_at_limit": "stopped-at-limit",
     "denied": "access-denied",
     "unused": UNUSED_INPUT,
-    "answer_assumed": "input-assumed",
-    "file_elsewhere": "input-assumed",
-    "functions_assumed": "input-assumed",
+    "answer_assumed": INPUT_ASSUMED,
+    "file_elsewhere": INPUT_ASSUMED,
+    "functions_assumed": INPUT_ASSUMED,
     "companion_failed": "companion-failed",
 }
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})
@@ -358,7 +359,7 @@ def _of_assumptions(run: RecordedRun) -> Iterator[Reason]:
     for name, words in run.assumed:
         yield _reason("robot-assumed", words, object_name=name)
     for name, words, place in run.unconfirmed:
-        yield _reason("input-assumed", words, object_name=name, location=place)
+        yield _reason(INPUT_ASSUMED, words, object_name=name, location=place)
 
 
 def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
@@ -390,7 +391,7 @@ def _of_mission(mission: Sequence[MissedCondition]) -> Iterator[Reason]:
     for condition in mission:
         code, words = MISSION_MISSED, condition.words
         if condition.is_assumed:
-            code = "input-assumed"
+            code = INPUT_ASSUMED
             words += (
                 "; nobody has confirmed this line of success: correct it, or delete its mark where "
                 "the mission is so"
