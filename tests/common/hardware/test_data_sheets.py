@@ -201,6 +201,10 @@ def test_a_temperature_in_kelvin_is_a_warning_in_either_format(tmp_path):
     sysml.write_text(write_description(read_description(yaml), "sysml"))
     (again,) = read_description(sysml).warnings
     assert again.partition("a: ")[2] == warning.partition("a: ")[2]
-    usual = yaml.read_text().replace("328.15", "55")
+    both = yaml.read_text().replace("rated: 40", "rated: 313.15")
+    yaml.write_text(both)
+    (warning,) = read_description(yaml).warnings
+    assert "a: a temperature of 328.15 degC is above 200: is it in kelvin?" in warning
+    usual = both.replace("313.15", "40").replace("328.15", "55")
     yaml.write_text(usual)
     assert read_description(yaml).warnings == ()

@@ -87,6 +87,28 @@ def test_what_the_data_of_a_component_assume_is_on_it(described):
     assert "unused: " not in assumptions(described, {})
 
 
+def test_a_redundant_pair_without_a_common_cause_is_named(report, tmp_path):
+    for common_cause, is_named in (("    common_cause: {beta: 0.05}\n", False), ("", True)):
+        text = HARDWARE.replace("    common_cause: {beta: 0.05}\n", common_cause)
+        (tmp_path / "cell.yaml").write_text(text)
+        hardware = load_hardware(Settings(hardware=str(tmp_path / "cell.yaml")), "panda")
+        page = assumptions(replace(report, hardware=hardware), {})
+        assert ("- gear: no common cause is stated" in page) is is_named
+
+
+def test_sensors_that_are_listed_by_name_are_of_their_kind(report, tmp_path):
+    """They are no kind that the shipped description has, and this one lacks."""
+    (tmp_path / "cell.yaml").write_text(
+        "components:\n  encoder: {failure_rate: {value: 1e-6, per: hour}, "
+        "twin: {sensors: [panda_joint1/encoder]}}\n"
+    )
+    hardware = load_hardware(Settings(hardware=str(tmp_path / "cell.yaml")), "panda")
+    trace = Trace("arm.py", "panda", "empty", RunEnd("ended", "it returned", 1.0), (), (), ())
+    page = assumptions(replace(report, hardware=hardware, trace=trace), {})
+    assert "it lists encoder sensors: encoder\n" in page
+    assert "- encoder sensors: the description that is shipped" not in page
+
+
 @pytest.mark.parametrize(
     ("field", "words"),
     [

@@ -29,6 +29,8 @@ COLDEST_C, HOTTEST_C = -100.0, 400.0
 """The temperatures that are allowed [degC]."""
 USUAL_FACTORS = (0.01, 100.0)
 """Between what a temperature usually changes a rate: 0.7 eV from 40 to 105 degC make it 86."""
+USUALLY_BELOW_C = 200.0
+"""Above it a temperature is doubted: own choice, below the freezing point of water in kelvin."""
 _B10_SHARE = 0.1  # of units that have failed after B10 cycles
 
 
@@ -54,10 +56,14 @@ class Temperature:
 
     @property
     def unlikely(self) -> str:
-        """What makes the factor doubtful, in words; empty where it is a usual one."""
+        """What makes it doubtful, in words; empty where temperatures and factor are usual ones."""
         least, most = USUAL_FACTORS
+        hottest = max(self.rated, self.working)
         if least <= self.factor <= most:
-            return ""
+            if hottest <= USUALLY_BELOW_C:
+                return ""
+            usual = f"{USUALLY_BELOW_C:g}"
+            return f"a temperature of {hottest:g} degC is above {usual}: is it in kelvin?"
         return (
             f"the temperature multiplies the rate by {self.factor:.6g}, which is not between "
             f"{least:g} and {most:g}: are {self.rated:g} and {self.working:g} in degC, of the same "

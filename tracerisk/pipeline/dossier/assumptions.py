@@ -133,8 +133,8 @@ def _parts(report: ReportInput) -> Iterator[str]:
     own = _by_place(hardware)
     listed = "; ".join(f"{place}: {', '.join(names)}" for place, names in own.items())
     yield (
-        "what the hardware description does not list never fails, neither gears nor brakes, cables "
-        f"or controllers; it lists {listed}"
+        "what the hardware description does not list never fails, be it a gear, a brake, a cable "
+        f"or a controller; it lists {listed}"
     )
     if not is_shipped(trace.robot):
         return
@@ -161,7 +161,9 @@ def _place(component: Component) -> str:
     if component.always_active or twin is None:
         return "always in use"
     if twin.sensors:
-        return f"{twin.sensors} sensors" if isinstance(twin.sensors, str) else "sensors"
+        named = (twin.sensors,) if isinstance(twin.sensors, str) else twin.sensors
+        kinds = sorted({name.rpartition("/")[2] for name in named})
+        return f"{' and '.join(kinds)} sensors"
     if twin.contacts:
         return "contacts"
     return "gripper" if twin.gripper and not twin.joints else "joints"
@@ -190,6 +192,11 @@ def _of_component(component: Component) -> Iterator[str]:
                 f"{at.rated:g} degC, by Arrhenius' law with {at.activation_energy:g} eV"
             )
     beta = component.redundancy.common_cause
+    if component.redundancy and not beta:
+        yield (
+            "no common cause is stated, so that its units fail independently of each other: a pair "
+            "looks better than any real one"
+        )
     if beta:
         yield f"{100.0 * beta:.4g} % of the failures of a unit have a cause that fails all units"
     law = component.load_law
