@@ -10,8 +10,6 @@ from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.evidence import EVIDENCE_NAME
-from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
-from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -88,6 +86,14 @@ def tolerance_reasons(entry: ControllerLock, settings: Settings) -> Iterable[str
 
     By those of the locks `diff` judges whether two missions are the same.
     """
+    kept, usual = entry.trace.get("outcome"), Settings()
+    is_usual = all(getattr(settings, name) == getattr(usual, name) for name, *_ in _TOLERANCES)
+    if not isinstance(kept, dict) or (is_usual and "tolerances" not in kept):
+        return
+    # Not needed to check most controllers, which must be quick.
+    from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
+    from tracerisk.common.outcome.tolerances import Tolerances
+
     if kept_outcome(entry.trace) is None:
         return
     now, before = Tolerances.of(settings), kept_tolerances(entry.trace)
