@@ -166,6 +166,7 @@ while True:
         (ENDS, ""),
         ("import os\nos.path.exists('a')\n", "K2"),
         ("from pathlib import Path\nPath('a').glob('*')\n", "K2"),
+        ("data = open('/opt/cell/slots.json').read()\n", "K2"),
         ("# os.path.exists('a')\nopen('a')\n", ""),
         ("print 1\n", ""),
     ],
@@ -178,7 +179,7 @@ def test_lines_that_may_meet_a_known_anomaly_are_named(report, source, met):
         if line[2:4] == met:
             assert re.search(r": look at arm\.py:[12]$", line)
         else:
-            assert line.endswith(": no such line was found in `files/`")
+            assert line.endswith(": no such line was found in `files/`, which proves nothing")
 
 
 @pytest.mark.parametrize(

@@ -29,10 +29,16 @@ _LOOKED_UP = frozenset(
     )
 )
 """The functions that learn of files without opening them in Python."""
+_OPENED = frozenset({"open", "Path", "load", "loadtxt", "expanduser"})
+"""The functions that are given a path, which may lead out of the workspace."""
 
 
 def _looks_up(node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and last_name(node.func) in _LOOKED_UP
+    if not isinstance(node, ast.Call):
+        return False
+    name, first = last_name(node.func), next(iter(node.args), None)
+    is_path = isinstance(first, ast.Constant) and str(first.value).startswith(("/", "~", "../"))
+    return name in _LOOKED_UP or (name in _OPENED and is_path)
 
 
 def _is_left_in_its_middle(node: ast.AST) -> bool:
@@ -99,5 +105,6 @@ def met_anomalies(sources: Mapping[str, bytes]) -> Iterator[str]:
     trees = _trees(sources)
     for anomaly in ANOMALIES:
         places = _places(trees, anomaly.is_met)
-        at = f"look at {', '.join(places)}" if places else "no such line was found in `files/`"
+        none = "no such line was found in `files/`, which proves nothing"
+        at = f"look at {', '.join(places)}" if places else none
         yield f"{anomaly.number} concerns you if {anomaly.concerns}: {at}"
