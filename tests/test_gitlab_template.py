@@ -132,6 +132,26 @@ def test_one_note_is_kept_up_to_date(repository, annotated_source, server, job):
     assert server.notes[1].endswith("**No change of risk worth a comment any more.**\n")
 
 
+def test_a_target_branch_that_moved_on_is_said(repository, annotated_source, job):
+    def commit(figure):
+        repository.write("cell.py", annotated_source(place=("done 1", f"gripper = {figure}")))
+        return repository.commit()
+
+    base = commit("2e-07")
+    repository.git("branch", "change")
+    later = commit("3e-07")
+    repository.git("update-ref", "refs/remotes/origin/main", later)
+    repository.git("checkout", "-q", "change")
+    commit("4e-07")
+    job(base, token="", CI_MERGE_REQUEST_TARGET_BRANCH_NAME="main")
+    said = repository.read("tracerisk.md").decode()
+    assert "origin/main has moved on since" in said
+    job(base, token="", CI_MERGE_REQUEST_TARGET_BRANCH_NAME="gone")
+    said = repository.read("tracerisk.md").decode()
+    assert "moved on" not in said
+    assert "mission failure rises" in said
+
+
 @pytest.mark.parametrize(("base", "code"), [("HEAD~1", 2), ("0" * 40, 2)])
 def test_a_change_that_cannot_be_determined_is_never_no_change(
     repository, annotated_source, server, job, base, code
