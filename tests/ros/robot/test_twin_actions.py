@@ -360,3 +360,24 @@ def test_a_motion_is_owned_by_the_function_that_commanded_it(ran, how, owners):
     result = ran(OWNERS[how])
     assert result.owners == owners
     assert all(command.end == "arrived" for command in result.recording.commands)
+
+
+@pytest.mark.parametrize(("effort", "is_reported"), [(0.002, True), (0.0, False), (40.0, False)])
+def test_fingers_that_an_effort_cannot_move_are_reported(ran, effort, is_reported):
+    result = ran(f"""
+hand.wait_for_server()
+goal = GripperCommandGoal()
+goal.command.position, goal.command.max_effort = 0.005, {effort}
+hand.send_goal_and_wait(goal)
+here = measured()["panda_finger_joint1"]
+""")
+    limits = [
+        finding.message
+        for finding in result.recording.findings
+        if finding.kind == "stopped_at_limit"
+    ]
+    assert bool(limits) is is_reported
+    if is_reported:
+        assert "touches nothing: max_effort 0.002 of the goal cannot move it" in limits[0]
+    else:
+        assert result["here"] == pytest.approx(0.005, abs=0.002)

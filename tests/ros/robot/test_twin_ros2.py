@@ -134,20 +134,35 @@ def test_gripper(kind, distro, settings, position, expected, tmp_path):
         name = "parallel_gripper_action_controller" if "Par" in kind else "position_controllers"
         text = GRIPPERS.replace("TYPE", f"{name}/GripperActionController")
         (tmp_path / "controllers.yaml").write_text(text.replace("SETTINGS", settings))
-    twin = Twin.build(load_robot("panda"), load_scene("empty"))
-    scheduler = Scheduler(twin, duration_ns=60 * SECOND)
-    packages = {"cell": tmp_path}
-    runtime = Runtime(
-        scheduler, Graph(scheduler), twin, packages=packages, distro=DistroRules(distro)
-    )
-    interfaces = Interfaces2()
-    TwinInterfaces(runtime, interfaces)
-    goal = interfaces.action(f"control_msgs/{kind}").Goal()
+    cell = _cell(tmp_path, distro)
+    goal = cell[1].action(f"control_msgs/{kind}").Goal()
     goal.command.position = position if kind == "GripperCommand" else [position]
-    cell = (runtime, interfaces, scheduler)
     sent, _ = pursue(cell, "/hand/gripper_cmd", f"control_msgs/{kind}", goal)
     result = sent.result
     assert (sent.state.ros2_status, result.reached_goal, result.stalled) == expected
+
+
+def _cell(folder, distro):
+    twin = Twin.build(load_robot("panda"), load_scene("empty"))
+    scheduler = Scheduler(twin, duration_ns=60 * SECOND)
+    runtime = Runtime(
+        scheduler, Graph(scheduler), twin, packages={"cell": folder}, distro=DistroRules(distro)
+    )
+    interfaces = Interfaces2()
+    TwinInterfaces(runtime, interfaces)
+    return runtime, interfaces, scheduler
+
+
+@pytest.mark.parametrize("controllers", ["position_controllers", "effort_controllers"])
+def test_a_gripper_of_positions_heeds_no_effort(controllers, tmp_path):
+    text = GRIPPERS.replace("TYPE", f"{controllers}/GripperActionController")
+    (tmp_path / "controllers.yaml").write_text(text.replace("SETTINGS", ""))
+    cell = _cell(tmp_path, "humble")
+    goal = cell[1].action("control_msgs/GripperCommand").Goal()
+    goal.command.position, goal.command.max_effort = 0.03, 0.002
+    sent, _ = pursue(cell, "/hand/gripper_cmd", "control_msgs/GripperCommand", goal)
+    is_moved = sent.result.position == pytest.approx(0.03, abs=0.001)
+    assert is_moved is (controllers == "position_controllers")
 
 
 @pytest.mark.parametrize("position", [float("nan"), float("inf")])

@@ -23,11 +23,13 @@ if TYPE_CHECKING:
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
 PARALLEL_COMMAND = "control_msgs/ParallelGripperCommand"
 _CONTROLLER = "GripperActionController"
+_OF_POSITIONS = "position_controllers/"  # its GripperActionController heeds no max_effort
 _GOAL_TOLERANCE = 0.01  # of that controller by default, in all distributions [rad or m]
 _FRANKA_ACTION = re.compile(r"(^|/)(franka|panda|fr3|fer)\w*_gripper/gripper_action$")
 _GRASP_EPSILON = 0.005  # of franka_gripper by default [m]
 _SAME_WIDTH = 1e-4  # of franka_gripper [m]
 _LEAST_FORCE = 1e-4  # with which franka_gripper grasps in ROS 1 [N]
+_WELL_SHORT = 0.1  # of the range: so far from their goal fingers hold something, or cannot go on
 _FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
@@ -101,14 +103,38 @@ class GripperServer(TwinNode):
         command = goal.message.command
         # ROS 2's controller of the same name may take effort 0 for "whatever it needs".
         effort = float(command.max_effort) if command.max_effort > 0.0 else None
+        own = self._declared.of_topic(goal.client.name)
+        if own is not None and own.type.startswith(_OF_POSITIONS):
+            effort = None
         wanted = _first(command.position)
 
         def end(motion: Motion, gripper: Gripper) -> None:
             result = self._messages.part(goal.client.type_name, "Result")
             result.position, result.effort = self._measured(gripper)
+            if effort is not None and motion.stalled:
+                self._note_weakness(goal, gripper, result.position, wanted, effort)
             self._end_grip(goal, result, motion, result.position - wanted)
 
         self._start(goal, lambda _: wanted, effort, end)
+
+    def _note_weakness(
+        self, goal: ActionGoal, gripper: Gripper, position: float, wanted: float, effort: float
+    ) -> None:
+        """Report fingers that stop on the way without touching anything, for want of effort."""
+        short = abs(min(max(wanted, gripper.least), gripper.opening) - position)
+        if short <= _WELL_SHORT * (gripper.opening - gripper.least):
+            return
+        if any(any(self._twin.touch_on(pad).force) for pad in gripper.pads):
+            return
+        unit = self._twin.robot.joint(gripper.joints[0]).unit
+        self._commands.report(
+            "stopped_at_limit",
+            f"gripper '{gripper.name}' stopped at {position:.3g} {unit} on its way to {wanted:.3g} "
+            f"{unit} and touches nothing: max_effort {effort:g} of the goal cannot move it "
+            "further; where the robot's controller does not heed max_effort it goes on",
+            goal.stack,
+            object_name=gripper.name,
+        )
 
     def _franka_command(self, goal: ActionGoal) -> None:
         """Move or grasp as the action `gripper_action` of franka_gripper; position: of a finger.
