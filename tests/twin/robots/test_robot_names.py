@@ -23,6 +23,7 @@ ROBOTS = {each.name: each for each in shipped_names()}
         ("my_gen3_lite", {"gen3_lite"}),
         ("gen3_pro, ur5 mini, xarm6-lite", set()),
         ("ur5_1 and panda_2", {"ur5", "panda"}),
+        ("ur5_e_arm", {"ur5e"}),
         ("FANUC CRX-10iA", {"crx10ia"}),
         ("FANUC CRX-10iA/L, crx10ia_l", set()),
         ("lrmate200id_support", {"lrmate200id"}),
