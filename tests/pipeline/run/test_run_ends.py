@@ -104,6 +104,20 @@ def test_poses_in_turn_from_one_place_are_one_cycle_as_when_written_out(run):
     assert risk(in_turn) == pytest.approx(risk(written_out), rel=0.01)
 
 
+def test_a_joint_that_goes_on_by_equal_steps_makes_no_cycle(run):
+    """As fingers that close until a force is felt: such a ramp has an end."""
+    data = run("""\
+angle = 0.1
+while not rospy.is_shutdown():
+    if angle < 0.25:
+        angle += 0.02
+        arm.go([angle, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)
+    rospy.sleep(0.5)
+""")
+    assert data["trace"]["end"]["cause"] == "idle"
+    assert len(data["trace"]["commands"]) == 8
+
+
 @pytest.mark.slow
 def test_poses_that_never_come_again_end_after_sixty_as_ten_cycles(run):
     body = "import random\nwhile True:\n    go_to(random.uniform(-1, 1))\n    arm.stop()\n"

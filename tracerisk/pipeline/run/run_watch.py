@@ -8,6 +8,7 @@ from __future__ import annotations
 from bisect import bisect, insort
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from tracerisk.errors import Location
 from tracerisk.instrument.recorder import Recorder
@@ -22,6 +23,8 @@ CYCLES_SEEN = 3
 """How often the same cycle must have come."""
 _CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsewhere each time
 _SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
+_LEAST_STEP = 1e-6  # from cycle to cycle; what is less is rounding [rad or m]
+_STEP_SPREAD = 0.01  # how far equal steps differ, as a share of one
 _LONGEST_CYCLE = 100
 _MANY_THE_SAME = 5000  # of so many that command the same a third of the idle time is enough
 
@@ -319,13 +322,29 @@ def _cycle_start(past: Sequence[_Iteration], reached: Sequence[int]) -> tuple[in
             ):
                 continue
             cycles = [past[number : number + length] for number in at]
-            if all(is_same(cycle, cycles[0]) for cycle in cycles[1:]):
+            if all(is_same(cycle, cycles[0]) for cycle in cycles[1:]) and not _leads_on(cycles):
                 return start, seen
     return None
 
 
 def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
     return [iteration.ways for iteration in cycle] == [iteration.ways for iteration in other]
+
+
+def _leads_on(cycles: Sequence[Sequence[_Iteration]]) -> bool:
+    """Return whether a joint goes on by one step from cycle to cycle: such a ramp has an end."""
+    goals = [
+        [value for iteration in cycle for goal in iteration.goals for value in goal]
+        for cycle in cycles
+    ]
+    if len({len(values) for values in goals}) != 1:
+        return False
+    for values in zip(*goals, strict=True):
+        first, *others = (after - before for before, after in pairwise(values))
+        within = _STEP_SPREAD * abs(first)
+        if abs(first) > _LEAST_STEP and all(abs(step - first) <= within for step in others):
+            return True
+    return False
 
 
 def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
