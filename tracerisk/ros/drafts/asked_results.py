@@ -82,6 +82,7 @@ def _compared_with(tree: ast.Module, call: ast.Call) -> tuple[list[Any], set[str
         value
         for node in ast.walk(tree)
         if isinstance(node, ast.Compare | ast.Match)
+        or (isinstance(node, ast.Call) and last_name(node.func) == "index")
         for subject, value in comparisons(refused.get(id(node), node))
         if subject is not None and is_held(subject, call, names)
     ]

@@ -40,6 +40,20 @@ while running:
         3,
         ("1", "2", "0"),
     ),
+    "the items of a list in which it is looked up, under Python 2": (
+        """
+KEYS = ["q", "w"]
+while True:
+    key = raw_input()
+    try:
+        joint = KEYS.index(key.lower())
+    except ValueError:
+        continue
+    turn(joint)
+""",
+        4,
+        ("w", "q"),
+    ),
     "a word behind a verb": (
         """
 def move(place):

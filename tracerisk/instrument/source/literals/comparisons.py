@@ -57,6 +57,8 @@ def compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
         if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
             yield from ((node.args[0], key) for key in _keys(node.func.value))
+        if node.func.attr == "index" and isinstance(node.func.value, ast.List | ast.Tuple):
+            yield from ((node.args[0], literal) for literal in _literals(node.func.value))
         if node.func.attr in ("startswith", "endswith"):
             yield from ((node.func.value, literal) for literal in _literals(node.args[0]))
         if node.func.attr in _TAKES_STATES:

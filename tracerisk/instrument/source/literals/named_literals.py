@@ -117,6 +117,10 @@ class _Inlined(ast.NodeTransformer):
         self.generic_visit(node)
         if isinstance(node.func, ast.Attribute) and node.func.attr == "get":
             node.func.value = self._mapping(node.func.value)
+        elif isinstance(node.func, ast.Attribute) and node.func.attr == "index":
+            node.func.value = self._value(node.func.value)
+        elif isinstance(node.func, ast.Name) and node.func.id == "raw_input":
+            node.func.id = "input"  # as Python 3 calls it
         return node
 
     def visit_match_case(self, node: ast.match_case) -> ast.AST:
