@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tracerisk.adder.lock.lock import data_digest
 from tracerisk.api import load_controller
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import choose_launch
@@ -160,8 +161,7 @@ def test_a_change_that_breaks_the_run_says_what_broke_and_never_that_risk_falls(
     assert not re.search(r"(?<!\w)x0\.\d", text)
     if form == "markdown":
         assert "was partial, is faulted; the two runs cannot be compared" in text
-        said = outcome.out.count("tf look-up of frame 'part' failed")
-        assert said == 2, "first, and among what broke"
+        assert outcome.out.count("tf look-up of frame 'part' failed") == 1
         assert "What the runs behind the blocks depended on: - " in text
 
 
@@ -210,6 +210,7 @@ def test_a_call_that_the_base_did_not_miss_fails_the_check(ran, repository):
     words = "this call of self.go led to no command; another did"
     missed = {"code": "missed-call", "verdict": "partial", "words": words, "object": "self.go"}
     reasons.append({**reasons[0], **missed})
+    entry["digest"] = data_digest(entry)
     changed = {lock: json.dumps(data).encode()}
     cell = in_git(repository, good, changed)
     assert cell.run("check", CONTROLLER).code == 0

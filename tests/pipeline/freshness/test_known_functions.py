@@ -55,7 +55,7 @@ def test_a_name_that_is_no_function_is_an_error_with_its_line(key, table, line, 
     outcome = cell.run(*ANNOTATE)
     assert outcome.code == 2
     assert outcome.err == (
-        f"tracerisk: {cell.folder}/pyproject.toml:{line}: {key}: cell.py and its modules have no function "
+        f"tracerisk: pyproject.toml:{line}: {key}: cell.py and its modules have no function "
         "'hoem'; did you mean 'home'? allowed: <module>, Cell.place, "
         "Cell.place.<locals>.inner, done, home [settings]\n"
     )
