@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
@@ -12,6 +12,7 @@ from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.text.plain_data import picked
 from tracerisk.twin.robots.index import shipped_grippers, shipped_names
+from tracerisk.twin.robots.robot_parts import OFFERED
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames
@@ -20,15 +21,6 @@ if TYPE_CHECKING:
 
 _LEAST = 2  # columns of the list: name and title
 
-# What the driver of a robot offers under the names of its controllers, by the controller's type.
-_BY_CONTROLLER: Mapping[str, Sequence[tuple[str, str, str]]] = {
-    "follow_joint_trajectory": (
-        ("action", "/follow_joint_trajectory", "control_msgs/FollowJointTrajectory"),
-        ("topic", "/command", "trajectory_msgs/JointTrajectory"),
-        ("topic", "/joint_trajectory", "trajectory_msgs/JointTrajectory"),
-    ),
-    "gripper_command": (("action", "/gripper_cmd", "control_msgs/GripperCommand"),),
-}
 # What every robot is asked for by its own name.
 _ALWAYS = (
     ("action", "move_group", "moveit_msgs/MoveGroup"),
@@ -76,7 +68,7 @@ def interfaces(robot: Robot) -> list[dict[str, str]]:
     rows = [
         (kind, f"{controller.name}{suffix}", message)
         for controller in robot.controllers
-        for kind, suffix, message in _BY_CONTROLLER[controller.type]
+        for kind, suffix, message in OFFERED[controller.type]
     ]
     return [
         {"kind": kind, "name": name, "type": message} for kind, name, message in (*rows, *_ALWAYS)

@@ -11,6 +11,17 @@ from tracerisk.common.geometry.shapes import Shape
 JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
 ControllerType = Literal["follow_joint_trajectory", "gripper_command"]
 
+OFFERED: Mapping[ControllerType, tuple[tuple[str, str, str], ...]] = {
+    "follow_joint_trajectory": (
+        ("action", "/follow_joint_trajectory", "control_msgs/FollowJointTrajectory"),
+        ("topic", "/command", "trajectory_msgs/JointTrajectory"),
+        ("topic", "/joint_trajectory", "trajectory_msgs/JointTrajectory"),
+    ),
+    "gripper_command": (("action", "/gripper_cmd", "control_msgs/GripperCommand"),),
+}
+"""What a robot's driver offers under the name of a controller of a type: whether it is an action or
+a topic, what follows the name, and the ROS type."""
+
 
 @dataclass(frozen=True, slots=True)
 class Link:

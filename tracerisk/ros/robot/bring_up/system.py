@@ -7,7 +7,7 @@ Names of MoveIt's topics: moveit/moveit moveit_ros/move_group and planning_scene
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.common.text.near_names import is_respelt
 from tracerisk.ros.graph.actions import Actions, topics_of_action
 from tracerisk.ros.robot.bring_up.states import ControllerStates
+from tracerisk.twin.robots.robot_parts import OFFERED
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
@@ -55,13 +56,11 @@ PARAMETER_SERVICES = {
 }
 """The services of each node of ROS 2, below its name."""
 
-_LEAVES = {
-    "control_msgs/FollowJointTrajectory": ("follow_joint_trajectory",),
-    "control_msgs/GripperCommand": ("gripper_cmd", "gripper_action"),
-    "trajectory_msgs/JointTrajectory": ("command", "joint_trajectory"),
-    "std_msgs/Float64MultiArray": ("command", "commands"),
+_ALSO_OFFERED: Mapping[str, tuple[str, ...]] = {
+    "control_msgs/GripperCommand": ("/gripper_action",),
+    "std_msgs/Float64MultiArray": ("/command", "/commands"),
 }
-"""The ends of names below a controller's, by type."""
+"""What else follows the names of controllers, by type: in drivers of makers, and of numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +181,9 @@ class SystemState:
         Each is served under any name, for nobody knows those of a robot that no file describes.
         """
         controllers = self._runtime.client(ControllerStates).all
-        known = [f"{one}/{leaf}" for one in controllers for leaf in _LEAVES.get(type_name, ())]
+        offered = [leaf for rows in OFFERED.values() for _, leaf, kind in rows if kind == type_name]
+        offered += _ALSO_OFFERED.get(type_name, ())
+        known = [f"{controller}{leaf}" for controller in controllers for leaf in offered]
         known += [action.strip("/") for action, kind, _ in self.actions() if kind == type_name]
         parts = name.strip("/").split("/")
         ends = {other: "/".join(parts[-len(other.split("/")) :]) for other in known}
