@@ -2,18 +2,9 @@
 
 import pytest
 
-HEAD = """\
-import keyboard, moveit_commander, rospy
+from tests.ros.keyboard.jogging import JOG
 
-rospy.init_node("keys")
-arm = moveit_commander.MoveGroupCommander("panda_arm")
-
-def jog(delta):
-    joints = arm.get_current_joint_values()
-    joints[0] += delta
-    arm.go(joints, wait=True)
-
-"""
+HEAD = f"import keyboard\n{JOG}"
 PROGRAMS = {
     "asked": """\
 while not rospy.is_shutdown():

@@ -2,20 +2,12 @@
 
 import pytest
 
-LISTENS = """\
-import moveit_commander, rospy
+from tests.ros.keyboard.jogging import JOG
+
+LISTENS = f"""\
 from pynput import keyboard
 from pynput.keyboard import Key
-
-rospy.init_node("keys")
-arm = moveit_commander.MoveGroupCommander("panda_arm")
-
-def jog(delta):
-    joints = arm.get_current_joint_values()
-    joints[0] += delta
-    arm.go(joints, wait=True)
-
-def on_press(key):
+{JOG}def on_press(key):
     try:
         if key.char == "a":
             jog(0.1)

@@ -2,22 +2,13 @@
 
 import pytest
 
+from tests.ros.keyboard.jogging import JOG
 from tracerisk.errors import Location
 from tracerisk.instrument.source.literals.known_keys import known_keys
 
-SCREEN = """\
+SCREEN = f"""\
 import curses
-import moveit_commander, rospy
-
-rospy.init_node("keys")
-arm = moveit_commander.MoveGroupCommander("panda_arm")
-
-def jog(delta):
-    joints = arm.get_current_joint_values()
-    joints[0] += delta
-    arm.go(joints, wait=True)
-
-def main(screen):
+{JOG}def main(screen):
     curses.curs_set(0)
     screen.nodelay(WAITS)
     curses.init_pair(1, curses.COLOR_RED, curses.COLOR_BLACK)

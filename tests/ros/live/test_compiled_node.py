@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.ros.live.picked import assert_picked
+
 # Compiling a node takes as long as hundreds of other tests. Its parts are tested in each run: what a
 # node of roscpp records and how its functions are called (`tests/probe/native`), live runs of nodes
 # in Python (here), and blocks in C++ (`tests/adder`).
@@ -132,11 +134,7 @@ def test_a_node_plans_with_moveit_where_there_is_none(compiled):
         *("--", "./move_group"),
     )
     assert done.code == 0, done.out + done.err
-    trace = json.loads(example.read("live.json").decode())
-    names = [command["function"]["name"] for command in trace["commands"]]
-    assert names == [f"Picker::{name}" for name in ("home", "home", "approach", "lower", "grip")]
-    assert {command["end"] for command in trace["commands"]} == {"arrived"}
-    assert trace["verdict"]["kind"] == "complete"
+    assert_picked(json.loads(example.read("live.json").decode()))
 
 
 def test_the_published_case_as_a_node_ends_as_blocks_in_its_five_functions(compiled):

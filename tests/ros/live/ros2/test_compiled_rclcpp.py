@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.ros.live.picked import assert_picked
+
 # Compiling a node takes as long as hundreds of other tests. Its parts are tested in each run: what
 # the probe notes (`tests/probe/native`), what is made of it (`tests/pipeline/run/live`), and the
 # twin as a node of ROS 2 (here).
@@ -96,11 +98,7 @@ def test_a_node_plans_with_moveit_where_there_is_none(compiled):
         *("trace", "--live", "--robot", "panda", "-o", "live.json", "--", "./picker")
     )
     assert done.code == 0, done.out + done.err
-    trace = json.loads(example.read("live.json").decode())
-    names = [command["function"]["name"] for command in trace["commands"]]
-    assert names == [f"Picker::{name}" for name in ("home", "home", "approach", "lower", "grip")]
-    assert {command["end"] for command in trace["commands"]} == {"arrived"}
-    assert trace["verdict"]["kind"] == "complete"
+    assert_picked(json.loads(example.read("live.json").decode()))
 
 
 def test_functions_of_two_publishers_of_a_topic_do_not_swap_where_messages_are_lost(compiled):
