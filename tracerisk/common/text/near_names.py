@@ -47,11 +47,10 @@ def is_respelt(name: str, other: str) -> bool:
         return False
     if _plain(name) == _plain(other):
         return True
-    parts = [_PART.split(text) for text in (name, other)]
-    if len(parts[0]) != len(parts[1]):
-        return False
-    differing = [pair for pair in zip(*parts, strict=True) if pair[0] != pair[1]]
-    return all(one[:1] == two[:1] and near_names(one, [two]) for one, two in differing)
+    differing = _differing_parts(name, other)
+    return differing is not None and all(
+        one[:1] == two[:1] and near_names(one, [two]) for one, two in differing
+    )
 
 
 def _most(name: str, other: str) -> int:
@@ -67,11 +66,16 @@ def _are_apart(name: str, other: str) -> bool:
     numbers = [[int(digits) for digits in _NUMBER.findall(text)] for text in (name, other)]
     if numbers[0] != numbers[1]:
         return True
-    parts = [_PART.split(text) for text in (name, other)]
-    if len(parts[0]) != len(parts[1]):
-        return False
-    differing = [pair for pair in zip(*parts, strict=True) if pair[0] != pair[1]]
+    differing = _differing_parts(name, other) or ()
     return any(max(map(len, pair)) <= 2 for pair in differing)  # l and r, x and y
+
+
+def _differing_parts(name: str, other: str) -> list[tuple[str, str]] | None:
+    """Return the parts in which two names differ; `None` where one has more parts."""
+    ours, theirs = _PART.split(name), _PART.split(other)
+    if len(ours) != len(theirs):
+        return None
+    return [pair for pair in zip(ours, theirs, strict=True) if pair[0] != pair[1]]
 
 
 def _stem(name: str) -> str:
