@@ -79,3 +79,12 @@ def test_a_nap_and_a_look_for_a_key_with_an_end_take_their_time(example):
     outcome = example.run("run", "keys.py", "--robot", "panda", "--no-draft")
     assert "napped 1.5" in outcome.err
     assert "looked 3.0" in outcome.err
+
+
+def test_a_run_that_reads_no_keys_needs_no_curses(example, quick):
+    """It is a module of a library of C, which a Python may be built without."""
+    loaded = "print('curses' in sys.modules, '_curses' in sys.modules)"
+    example.write("c.py", quick("import sys", loaded))
+    outcome = example.run("run", "c.py")
+    assert outcome.code == 0, outcome.err
+    assert "False False" in outcome.err

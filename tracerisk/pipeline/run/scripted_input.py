@@ -9,11 +9,14 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from types import ModuleType
 from typing import NoReturn
 
+from tracerisk.common.replaced_names import replaced
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.ros.controller.needs import Need, asking_place
 from tracerisk.ros.drafts.answers.known_answers import KnownAnswers
+from tracerisk.ros.imports.once_loaded import once_loaded
 from tracerisk.ros.keyboard.scripted_keys import STDIN, ScriptedKeys
 from tracerisk.ros.time.scheduler import Scheduler
 
@@ -44,10 +47,23 @@ def scripted_input(stream: Answers) -> Iterator[None]:
 
     builtins.input, sys.stdin = scripted, stream
     try:
-        with stream.keys.served():
+        with stream.keys.served(), _served_screen(stream.keys):
             yield
     finally:
         builtins.input, sys.stdin = real_input, real_stdin
+
+
+@contextlib.contextmanager
+def _served_screen(keys: ScriptedKeys) -> Iterator[None]:
+    """Stand in for the screen of `curses` once a program loads that, which a Python may lack."""
+
+    def serve(_: ModuleType) -> None:
+        from tracerisk.ros.keyboard.screen import screen_functions
+
+        undo.enter_context(replaced(screen_functions(keys)))
+
+    with contextlib.ExitStack() as undo, once_loaded("curses", serve):
+        yield
 
 
 @dataclass(eq=False, repr=False)

@@ -16,7 +16,6 @@ from tracerisk.errors import Location
 from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.needs import KEYS, Need
-from tracerisk.ros.keyboard.screen import screen_functions
 from tracerisk.ros.time.scheduler import Scheduler
 
 STDIN = 0
@@ -123,7 +122,6 @@ class ScriptedKeys:
             (os, "read", self._read_bytes(os.read)),
             (select, "select", self._select(select.select)),
         ]
-        functions += screen_functions(self)
         for module in (termios, tty):
             functions += [
                 (module, "tcgetattr", self._at_stdin(self._get, termios.tcgetattr)),
