@@ -27,9 +27,12 @@ from tracerisk.ros.imports.window_names import no_screen
 VENDOR_LIBRARIES = frozenset(
     {
         "DRFC",
+        "DR_common",
         "DR_common2",
+        "DR_error",
         "DR_error2",
         "DR_init",
+        "DSR_ROBOT",
         "DSR_ROBOT2",
         "baxter_dataflow",
         "baxter_interface",

@@ -1,7 +1,8 @@
 """What moves a Doosan arm on the graph: the services of dsr_msgs2, and of dsr_msgs.
 
-Source: DoosanRobotics/doosan-robot2, dsr_msgs2 and dsr_common2/imp/DSR_ROBOT2.py. In ROS 1 the
-same fields are written `syncType`.
+Source: DoosanRobotics/doosan-robot2, dsr_msgs2 and dsr_common2/imp/DSR_ROBOT2.py. In ROS 1
+(doosan-robotics/doosan-robot, dsr_control/src/dsr_hw_interface.cpp) the same fields are written
+`syncType`, and the names of pins leave out the box.
 """
 
 # ruff: noqa: ARG002, ARG005 - every handler takes a request and an answer
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
     from tracerisk.ros.graph.runtime import Runtime
 
-PACKAGES = ("dsr_msgs2", "dsr_msgs")
+_OF_ROS1 = "dsr_msgs"
+PACKAGES = ("dsr_msgs2", _OF_ROS1)
 
 _TYPES = {
     "robotiq_2f_open": "Robotiq2FOpen",
@@ -44,7 +46,8 @@ class DoosanController(DoosanReports):
                 for name, handle in services.items():
                     camel = "".join(part.capitalize() for part in name.split("_"))
                     kind = f"{package}/{_TYPES.get(name, camel)}"
-                    self._offer(f"{space}/{name}", kind, handle)
+                    served = name.replace("ctrl_box_", "") if package == _OF_ROS1 else name
+                    self._offer(f"{space}/{served}", kind, handle)
         self._streams: Mapping[str, Callable[[Any], JointTrajectory | None]] = {
             f"{package}/{kind}": take
             for package in PACKAGES

@@ -1,21 +1,14 @@
-"""Calls of the controller's services, and what a program sets for later motions."""
+"""What a program sets for later motions, and how arguments become fields of a request."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cache
 from typing import Any
 
-import DR_init
-import rclpy
 from DR_common2 import DR_ERROR_TYPE, DR_ERROR_VALUE, DR_Error, is_number
-from dsr_msgs2 import srv
 from std_msgs.msg import Float64MultiArray
 
-from tracerisk.ros.graph.runtime import current
-
-# As in the library: without a node it cannot be imported.
-g_node: Any = DR_init.__dsr__node
+from ._calls import call
 
 DR_BASE, DR_TOOL, DR_WORLD = 0, 1, 2
 DR_TC_USER_MIN, DR_TC_USER_MAX = 101, 200
@@ -35,22 +28,9 @@ class Defaults:
 DEFAULTS = Defaults()
 
 
-@cache
-def _client(kind: str, name: str) -> Any:
-    client = g_node.create_client(getattr(srv, kind), name)
-    # The library makes all its clients, some two hundred, when it is imported, which takes longer.
-    current().graph.carrier.pass_connections()
-    return client
-
-
 def asked(kind: str, service: str, /, **fields: Any) -> Any:
-    """Call a service below the node's namespace and return its response."""
-    request = getattr(srv, kind).Request()
-    for field, value in fields.items():
-        setattr(request, field, value)
-    future = _client(kind, service).call_async(request)
-    rclpy.spin_until_future_complete(g_node, future)
-    return future.result()
+    """Call a service of the controller and return its response."""
+    return call(kind, service, fields)
 
 
 def done(kind: str, service: str, /, **fields: Any) -> int:
