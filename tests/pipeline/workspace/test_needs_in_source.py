@@ -2,10 +2,12 @@
 
 import pytest
 
-from tracerisk.pipeline.scenarios.command_lines import command_lines
+from tracerisk.errors import Location
+from tracerisk.pipeline.scenarios.command_lines import command_lines, reads_arguments
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 from tracerisk.ros.drafts.named_numbers import Reach
+from tracerisk.trace import RunEnd
 
 ROS1 = """\
 import actionlib, rospy
@@ -123,12 +125,36 @@ def test_of_ros_2(tmp_path):
         ("p.add_argument('mode', nargs='?', default='home')\n", []),
         ("def other(args):\n    return args[0] == 'init'\nother(['init'])\n", []),
         ("print('no arguments')\n", []),
+        # None where they are not given.
+        (
+            "p.add_argument('-a', '--angles', type=float, nargs=2)\np.add_argument('--name')\n",
+            [("--angles", "0.1", "0.1")],
+        ),
+        # Keys of a table of the source.
+        (
+            "PLACES = {'home': 1, 'bin': 2}\nname = sys.argv[1]\nif name in PLACES: pass\n",
+            [("home",), ("bin",)],
+        ),
+        ("PLACES = {'home': 1, 'bin': 2}\ngo(PLACES[sys.argv[1]])\n", [("home",), ("bin",)]),
     ],
 )
 def test_command_lines(tmp_path, source, words):
     (tmp_path / "c.py").write_text(f"import rospy, sys, argparse\n{source}")
     found = command_lines(load_controller(tmp_path / "c.py"))
     assert [each.words for each in found] == words
+
+
+def test_an_option_that_is_not_given_is_what_a_run_lacks_wherever_none_is_used(tmp_path):
+    parsed = "import argparse, rospy\np.add_argument('--q', type=float, nargs=2)\nlen(goal)\n"
+    (tmp_path / "c.py").write_text(parsed)
+    (tmp_path / "d.py").write_text("import rospy\n\nlen(goal)\n")
+    for name, message, reads in (
+        ("c.py", "TypeError: object of type 'NoneType' has no len()", True),
+        ("c.py", "ValueError: no goal", False),
+        ("d.py", "TypeError: object of type 'NoneType' has no len()", False),
+    ):
+        end = RunEnd("raised", message, 0.0, Location(name, 3))
+        assert reads_arguments(load_controller(tmp_path / name), end) is reads
 
 
 def test_command_lines_that_the_repository_writes_come_first(tmp_path):

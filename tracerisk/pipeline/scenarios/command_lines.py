@@ -25,6 +25,7 @@ from tracerisk.ros.drafts.said_around import lines_with
 from tracerisk.trace import RunEnd
 
 _OF_ARGUMENTS = re.compile(r"arg")
+_OF_NONE = re.compile(r"NoneType")
 _NUMBERS = ("float", "int")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
 _JOINTS = re.compile(r"joint|angle|^q$|posture")
@@ -41,16 +42,23 @@ class CommandLine:
 
 
 def reads_arguments(controller: Controller, end: RunEnd) -> bool:
-    """Return whether a run was ended by an exception at a line that reads the command line."""
+    """Return whether a run was ended by an exception for want of arguments.
+
+    It is at a line that reads the command line, or of None in a source that reads options.
+    """
     place = end.location
     if end.cause != "raised" or place is None or place.line is None:
         return False
     if not place.file.endswith(".py"):
         return False
     try:
-        lines = controller.source_of(place.file).decode(errors="replace").splitlines()
+        text = controller.source_of(place.file).decode(errors="replace")
     except TraceRiskError:
         return False
+    if _OF_NONE.search(end.message) and "add_argument" in text:
+        # An option of argparse that is not given is None, wherever that is used.
+        return True
+    lines = text.splitlines()
     return any(_OF_ARGUMENTS.search(line) for line in lines[place.line - 1 : place.line])
 
 
@@ -125,6 +133,9 @@ def _of_argparse(tree: ast.AST, text: str, top: Path, reach: Reach | None) -> It
         needed = [files[0] if files and name in read else name for name in needed]
     elif needed:
         yield CommandLine(tuple(needed), "what argparse demands")
+    empty = [word for option in options if option.is_empty for word in option.words]
+    if empty:
+        yield CommandLine((*needed, *empty), "with the options that have no default")
     for option in options:
         if not option.is_needed and option.is_switch and option.words[0] not in needed:
             yield CommandLine((*needed, *option.words), f"with the switch {option.words[0]}")
@@ -142,6 +153,8 @@ class _Option:
     """Whether it takes no value."""
     is_file: bool
     """Whether its value names a file to read."""
+    is_empty: bool
+    """Whether it is a number or several, and None where it is not given."""
 
     @classmethod
     def read(cls, call: ast.Call, text: str, reach: Reach | None) -> _Option:
@@ -171,7 +184,9 @@ class _Option:
             names[-1].strip("-") if names else ""
         )
         is_needed = bool(needed and names)
-        return cls(words, owner, is_needed, is_switch, is_file and not is_switch)
+        is_number = not is_switch and not is_file and last_name(given.get("type")) in _NUMBERS
+        is_empty = bool(flags) and not is_needed and is_number and "default" not in given
+        return cls(words, owner, is_needed, is_switch, is_file and not is_switch, is_empty)
 
 
 def _in_reach(
@@ -260,13 +275,13 @@ def _of_argv(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[CommandL
     words = _words_read(tree)
     names = {word.name: index for index, word in words.items() if word.name}
     literals: dict[int, list[str]] = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.Eq | ast.In):
-            index = _argv_index(node.left)[0] or names.get(last_name(node.left), 0)
-            value = _value(node.comparators[0])
-            values = value if isinstance(value, list | tuple) else [value]
-            if index:
-                literals.setdefault(index, []).extend(str(v) for v in values if v is not None)
+    tables = _tables(tree)
+    for word, container in _looked_up(tree):
+        index = _argv_index(word)[0] or names.get(last_name(word), 0)
+        value = tables.get(last_name(container)) or _value(container)
+        values = value if isinstance(value, list | tuple) else [value]
+        if index:
+            literals.setdefault(index, []).extend(str(v) for v in values if v is not None)
     if not words:
         yield from _of_slice(tree, text, reach)
         return
@@ -285,6 +300,25 @@ def _of_argv(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[CommandL
         is_plain = all(name == "1" for name in (word, *rest))
         remark = "as many words as the code reads" if is_plain else "numbers that the arm reaches"
         yield CommandLine((word, *rest), "as the code compares sys.argv" if literals else remark)
+
+
+def _looked_up(tree: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """Yield what is compared, or looked up, each with that with or in which it is."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.Eq | ast.In):
+            yield node.left, node.comparators[0]
+        elif isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name):
+            yield node.slice, node.value
+
+
+def _tables(tree: ast.AST) -> dict[str, list[str]]:
+    """Return the words that a dictionary of a source has for its keys, by its name."""
+    return {
+        last_name(node.targets[0]): words
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict)
+        if (words := [key for item in node.value.keys if isinstance(key := _value(item), str)])
+    }
 
 
 def _of_slice(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[CommandLine]:
