@@ -55,6 +55,36 @@ send("{HOME}", "start = get_actual_tcp_pose()", "sleep(0.5)",
     assert ran.findings == []
 
 
+def test_older_drivers_say_whether_a_program_runs(run_on):
+    ran = run_on(
+        "ur5",
+        f"""
+import rospy
+from std_msgs.msg import String
+from ur_msgs.msg import RobotModeDataMsg
+
+rospy.init_node("cell")
+publisher = rospy.Publisher("/ur_driver/URScript", String, queue_size=1)
+rospy.sleep(0.5)
+
+
+def is_running():
+    return rospy.wait_for_message("/ur_driver/robot_mode_state", RobotModeDataMsg).is_program_running
+
+
+before, waited = is_running(), 0
+publisher.publish("{HOME}")
+rospy.sleep(0.01)
+while is_running():
+    waited += 1
+""",
+    )
+    (move,) = ran.recording.commands
+    assert move.end == "arrived"
+    assert ran["before"] is False
+    assert ran["waited"] == pytest.approx((move.end_ns - move.issue_ns) / 1e8, abs=2)
+
+
 def test_poses_are_those_of_the_controller_box_and_of_its_tcp(run_on):
     ran = run_on(
         "ur5e",

@@ -39,6 +39,13 @@ if TYPE_CHECKING:
 
 _TYPE = "std_msgs/String"
 _TOPICS = ("script_command", "URScript")
+_MODE_TYPE = "ur_msgs/RobotModeDataMsg"
+_MODE_TOPIC = "robot_mode_state"
+_MODE_HZ = 10.0
+"""How often the controller box sends its state, and the drivers of ROS 1 before 2019 pass it on.
+
+Source: ros-industrial/ur_modern_driver src/ros/mb_publisher.cpp.
+"""
 _SECONDARY = re.compile(r"\s*sec\s")
 """The beginning of a program that runs beside the one by which the driver moves the arm."""
 _LOOK_AHEAD_S = (0.03, 0.2)
@@ -70,6 +77,15 @@ class ScriptTopics(TwinNode):
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "advertised" and type_name == _TYPE and name.rsplit("/", 1)[-1] in _TOPICS:
             self._hear(name, type_name, self._take)
+        if change == "subscribed" and type_name == _MODE_TYPE and name.endswith(_MODE_TOPIC):
+            self._report_on(name, type_name, _MODE_HZ, lambda message, _: self._mode(message))
+
+    def _mode(self, message: Any) -> Any:
+        """Fill a message that says whether a program runs."""
+        message.is_robot_connected = message.is_real_robot_enabled = True
+        message.is_power_on_robot = True
+        message.is_program_running = self._running is not None and not self._running.is_over
+        return message
 
     def _take(self, message: Any, publication: Publication) -> None:
         if not publication.by_controller:
