@@ -14,7 +14,9 @@ from tracerisk.common.text.bounded import (
     MOST_DIGITS,
     file_bytes,
     file_text,
+    files_below,
     finite_number,
+    in_folder,
     loads_json,
     whole_number,
 )
@@ -92,6 +94,36 @@ def test_no_file_of_a_checkout_is_read_past_the_bounds():
     assert found == READERS_OF_OURS
 
 
+def test_files_below_a_folder_are_sorted_and_hidden_folders_left_out(tmp_path):
+    for name in ("b.yaml", "a/c.yaml", "a/b/d.yml", "a/e.txt", ".git/f.yaml", "build/g.yaml"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    os.mkfifo(tmp_path / "pipe.yaml")
+
+    def below(*endings, **more):
+        files = files_below(tmp_path, *endings, **more)
+        return [path.relative_to(tmp_path).as_posix() for path in files]
+
+    assert below(".yaml", ".yml", left_out={"build"}) == ["a/b/d.yml", "a/c.yaml", "b.yaml"]
+    assert below(".yaml") == ["a/c.yaml", "b.yaml", "build/g.yaml"]
+    assert below(left_out={"build"}) == ["a/b/d.yml", "a/c.yaml", "a/e.txt", "b.yaml"]
+    assert files_below(tmp_path / "none") == []
+    assert in_folder(tmp_path / "a") == [tmp_path / "a" / name for name in ("b", "c.yaml", "e.txt")]
+    assert in_folder(tmp_path / "a", ".txt") == [tmp_path / "a" / "e.txt"]
+    assert in_folder(tmp_path / "none") == []
+
+
+def test_no_folder_of_a_checkout_is_looked_through_by_what_fails_where_one_is_deleted():
+    """`rglob` raises for a folder that vanishes, but for those of Python 3.13 and later."""
+    package = Path(tracerisk.__file__).parent
+    found = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        if re.search(r"\.rglob\(|glob\([^)]*\*/", path.read_text(encoding="utf-8"))
+    }
+    assert found == LOOKED_THROUGH_OF_OURS
+
+
 def test_a_ctrl_c_as_a_file_is_opened_is_no_failed_close(tmp_path, monkeypatch):
     (tmp_path / "a.py").write_bytes(b"x")
 
@@ -102,6 +134,13 @@ def test_a_ctrl_c_as_a_file_is_opened_is_no_failed_close(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "fdopen", interrupted)
     with pytest.raises(KeyboardInterrupt):
         file_bytes(tmp_path / "a.py")
+
+
+LOOKED_THROUGH_OF_OURS = {
+    # What is installed: stand-ins, drivers, ROS, a collection of models.
+    *("ros/imports/finder.py", "ros/vendors/driver_search.py", "twin/looks/menagerie.py"),
+    "ros/live/messages/headers.py",
+}
 
 
 READERS_OF_OURS = {

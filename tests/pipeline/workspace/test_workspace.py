@@ -5,9 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.instrument.source.literals.package_settings import package_settings
+from tracerisk.pipeline.launch.parameter_files import parameter_files
 from tracerisk.pipeline.workspace.prefixes import find_prefixes, installed_packages
 from tracerisk.pipeline.workspace.project import Project
-from tracerisk.pipeline.workspace.workspace import searched
+from tracerisk.pipeline.workspace.workspace import Workspace, named_packages, searched
+from tracerisk.ros.messages.interface_texts import InterfaceStore
 
 
 def package(folder: Path) -> Path:
@@ -178,6 +181,47 @@ def test_files_are_listed_in_order_and_a_pipe_is_none(tmp_path):
     found = [(Path(folder).name, files) for folder, files in searched(tmp_path, environments=False)]
     assert found == [(tmp_path.name, []), ("a", ["c.py"]), ("b", ["a.py", "link.py", "z.py"])]
     assert list(searched(tmp_path / "none")) == []
+
+
+KINDS = ("launch", "config", "msg", "src", "srv")
+
+
+@pytest.fixture
+def vanishing(tmp_path, monkeypatch):
+    """A package whose folders of the name `vanishes` go when they are about to be listed."""
+    own = package(tmp_path / "pick_demo")
+    for kind in KINDS:
+        (own / kind / "vanishes").mkdir(parents=True)
+        (own / kind / "z").mkdir()
+    (own / "launch" / "z" / "pick.launch").write_text("$(find arm_msgs)")
+    (own / "config" / "z" / "pick.yaml").write_text("speed: 1\n")
+    (own / "msg" / "z" / "Pose.msg").touch()
+    (own / "srv" / "z" / "Open.srv").write_text("---\n")
+    (own / "src" / "z" / "pick.py").write_text("import arm_msgs\n")
+    real = os.scandir
+
+    def listed(folder):
+        if Path(folder).name == "vanishes":
+            Path(folder).rmdir()
+        return real(folder)
+
+    monkeypatch.setattr(os, "scandir", listed)
+    return own
+
+
+@pytest.mark.parametrize(
+    "found",
+    [
+        lambda own: named_packages(own, {"arm_msgs": own}, ()) == {"arm_msgs"},
+        lambda own: [path.name for path in parameter_files(own)] == ["pick.yaml"],
+        lambda own: list(package_settings(own / "src" / "pick.py")) == ["speed"],
+        lambda own: list(Workspace({"pick_demo": own}).interfaces) == ["pick_demo"],
+        lambda own: InterfaceStore({"pick_demo": own}).service_names("pick_demo") == ("Open",),
+    ],
+)
+def test_a_folder_that_is_deleted_while_it_is_looked_for_is_not_there(found, vanishing):
+    assert found(vanishing)
+    assert len(list(vanishing.glob("*/vanishes"))) < len(KINDS)
 
 
 DEEP = {

@@ -8,7 +8,7 @@ import re
 import shutil
 from pathlib import Path
 
-from tracerisk.common.text.bounded import regular_file
+from tracerisk.common.text.bounded import files_below, regular_file
 from tracerisk.errors import InputError
 from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.source.language import is_c
@@ -99,7 +99,7 @@ def _program_of(package: str, executable: str, verb: str) -> Path:
     here = Path.cwd()
     workspace = Project(here).workspace(2)
     folder = workspace.packages.get(package)
-    for script in () if folder is None else sorted(folder.rglob("*.py")):
+    for script in () if folder is None else files_below(folder, ".py"):
         if executable in program_of(script, here, workspace).names:
             return script
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):

@@ -6,7 +6,7 @@ import os
 import re
 from pathlib import Path, PurePath
 
-from tracerisk.common.text.bounded import file_bytes, is_folder
+from tracerisk.common.text.bounded import file_bytes, in_folder, is_folder
 from tracerisk.errors import HardwareError, Location
 
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
@@ -56,10 +56,7 @@ def sysml_files(path: Path) -> tuple[Path, ...]:
 
 def sysml_files_in(folder: Path) -> tuple[Path, ...]:
     """Return the SysML files right in a folder, sorted; none of one that cannot be read."""
-    try:
-        return tuple(sorted(path for path in folder.iterdir() if has_sysml_name(path.name)))
-    except OSError:
-        return ()
+    return tuple(path for path in in_folder(folder) if has_sysml_name(path.name))
 
 
 def source_files(path: Path) -> tuple[Path, ...]:

@@ -1,8 +1,9 @@
-"""Read files, numbers and JSON that others wrote, within bounds of size and depth.
+"""Read files, folders, numbers and JSON that others wrote, within bounds of size and depth.
 
 What is past a bound is a `ValueError` like any other malformed text, so that a reader needs one
 kind of refusal: Python itself raises OverflowError, RecursionError, or reads `1e999` as infinite.
 A file that is none, or too large, is an `OSError` like any other that cannot be read.
+What others delete while it is looked for is not there: `pathlib` itself would raise for a folder.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from tracerisk.errors import InputError, Location
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
     from pathlib import Path
     from typing import Any, BinaryIO
 
@@ -162,6 +163,33 @@ def named_file(path: str) -> BinaryIO:
     if path.startswith("/dev/"):
         return open(path, "rb")  # noqa: PTH123 - no start needs pathlib; who asks closes it
     return regular_file(path)
+
+
+def in_folder(folder: Path, *endings: str) -> list[Path]:
+    """Return what is in a folder, sorted; nothing of one that is not there or cannot be listed.
+
+    With `endings`, only what has a name with one of them.
+    """
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries]
+    except OSError:
+        return []
+    return sorted(folder / name for name in names if not endings or name.endswith(endings))
+
+
+def files_below(top: Path, *endings: str, left_out: Collection[str] = ()) -> list[Path]:
+    """Return the files below a folder, with `endings` those whose names have one of them, sorted.
+
+    Hidden folders and those `left_out` are not entered.
+    """
+    files = []
+    for folder, folders, names in os.walk(top):
+        folders[:] = [name for name in folders if name[0] != "." and name not in left_out]
+        chosen = (name for name in names if not endings or name.endswith(endings))
+        paths = (top / folder / name for name in chosen)
+        files += [path for path in paths if path.is_file()]
+    return sorted(files)
 
 
 def is_folder(path: Path) -> bool:

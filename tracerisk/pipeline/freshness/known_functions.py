@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
@@ -118,7 +119,8 @@ def functions_below(root: Path) -> frozenset[str]:
     """
     functions: set[str] = set()
     for path in _sources_below(root.resolve()):
-        functions |= _functions_of(path, path.stat().st_mtime_ns)
+        with contextlib.suppress(OSError):
+            functions |= _functions_of(path, path.stat().st_mtime_ns)
     return frozenset(functions)
 
 

@@ -6,11 +6,12 @@ They are no part of the project: the folder has a `.gitignore`, and may be delet
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common import trace_json
-from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text, in_folder
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import TraceRiskError
 from tracerisk.trace import Trace
@@ -71,13 +72,17 @@ class TraceCache:
             self._drop_oldest(path.with_suffix(_REPLAY))
         if not is_last:
             return
-        for old in self._folder.glob(f"{_short(trace.controller)}-*.json"):
-            if old != path and not old.with_suffix(_REPLAY).exists():
+        for old in in_folder(self._folder, ".json"):
+            is_older = old.name.startswith(f"{_short(trace.controller)}-") and old != path
+            if is_older and not old.with_suffix(_REPLAY).exists():
                 old.unlink(missing_ok=True)
 
     def _drop_oldest(self, newest: Path) -> None:
         """Delete all replays but the latest that fit, of which `newest` is the first."""
-        stats = {path: path.stat() for path in self._folder.glob(f"*{_REPLAY}")}
+        stats = {}
+        for path in in_folder(self._folder, _REPLAY):
+            with contextlib.suppress(FileNotFoundError):  # another run drops it too
+                stats[path] = path.stat()
         latest_first = sorted(
             stats, key=lambda path: (path != newest, -stats[path].st_mtime_ns, path.name)
         )

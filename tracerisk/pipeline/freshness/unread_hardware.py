@@ -6,13 +6,13 @@ import json
 import re
 from pathlib import Path
 
-from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.bounded import file_bytes, in_folder
 from tracerisk.config import Settings, from_here
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.project import Project
 
-_NAMES = "hardware*.yaml"  # as `tracerisk init` calls what it writes
+_NAMED = "hardware"  # as `tracerisk init` calls what it writes
 _DESCRIBES = re.compile(rb"^components:", re.MULTILINE)
 
 
@@ -23,7 +23,8 @@ def unread_hardware(project: Project, settings: Settings | None = None) -> tuple
     controllers name another, or `settings`, those of a run that is just over.
     """
     root = project.root.resolve()
-    files = [path for path in sorted(root.glob(_NAMES)) if _is_description(path)]
+    named = (path for path in in_folder(root, ".yaml") if path.name.startswith(_NAMED))
+    files = [path for path in named if _is_description(path)]
     if not files or (settings is not None and settings.hardware is not None):
         return ()
     try:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
+from tracerisk.common.text.bounded import files_below
 from tracerisk.pipeline.launch.parameter_reads import Asked
 from tracerisk.pipeline.launch.program import Program, shown
 from tracerisk.pipeline.launch_files.parameter_text import (
@@ -169,7 +170,7 @@ def parameter_files(folder: Path, within: tuple[str, ...] = _FOLDERS) -> Iterato
     """Yield the YAML files of a package that may hold parameters, at most 200."""
     count = 0
     for name in within:
-        for path in sorted((folder / name).rglob("*.yaml")) if (folder / name).is_dir() else ():
+        for path in files_below(folder / name, ".yaml"):
             count += 1
             if count > _MOST_FILES:
                 return

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, in_folder
 from tracerisk.errors import InputError, Location, TraceRiskError, readable
 from tracerisk.pipeline.history.repository import Repository
 
@@ -51,10 +51,7 @@ class GitVersion:
         return [name for name in raw.decode(errors="surrogateescape").split("\0") if name]
 
     def _listed(self, folder: str) -> list[str]:
-        try:
-            return sorted(path.name for path in (self.repository.top / folder).iterdir())
-        except OSError:
-            return []
+        return [path.name for path in in_folder(self.repository.top / folder)]
 
     def tracked(self) -> list[str]:
         """Return the paths of all files that git knows in the version."""

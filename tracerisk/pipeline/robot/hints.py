@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from tracerisk.common.text.bounded import file_bytes, regular_file
+from tracerisk.common.text.bounded import file_bytes, in_folder, regular_file
 from tracerisk.config import PACKAGE_FILE, controller_root
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules
@@ -158,7 +158,7 @@ def folders_around(controller: Controller) -> Iterator[str]:
 def _project(controller: Controller) -> Iterator[Hint]:
     """Yield the files of the controller's package, then those of the rest of its project."""
     root, top = controller.root.resolve(), controller.project.top
-    near = list(_files(root)) if _is_project(controller.project) else sorted(root.iterdir())
+    near = list(_files(root)) if _is_project(controller.project) else in_folder(root)
     seen = set(near)
     beyond = [file for file in _files(top) if file not in seen] if top != root else []
     for files in (near, beyond):

@@ -14,7 +14,7 @@ from tracerisk.common.dependencies import missing_extras
 from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.common.hardware.starting_file import SCHEMA_NAME as HARDWARE_SCHEMA
 from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
-from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.bounded import file_bytes, in_folder
 from tracerisk.config import BlockForm, controller_root, is_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
@@ -351,7 +351,7 @@ def _settings_of(
     folder: Path,
 ) -> StartFile:
     """Return the settings of a folder, whose controllers have these robots."""
-    scenarios = {path.name for path in folder.glob(f"*{_SCENARIO}")}
+    scenarios = {path.name for path in in_folder(folder, _SCENARIO)}
     by_controller = {
         file: scenario
         for file in robot_of

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.common.sandbox.files.noted_reads import unnoted
-from tracerisk.common.text.bounded import file_text
+from tracerisk.common.text.bounded import MOST_BYTES, files_below
 from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.source.ros_version import RosVersion, build_tools
 
@@ -217,13 +217,8 @@ def imported_names(source: str) -> frozenset[str]:
 
 def _needs_of(folder: Path) -> list[str]:
     """Return what a package says it needs, and what its modules import without saying so."""
-    modules = itertools.islice(sorted(folder.rglob("*.py")), _MOST_MODULES)
-    imported = {
-        name
-        for module in modules
-        if module.is_file()
-        for name in imported_names(file_text(module, errors="replace"))
-    }
+    modules = files_below(folder, ".py", left_out=NOT_SEARCHED)[:_MOST_MODULES]
+    imported = {name for module in modules for name in imported_names(head_of(module, MOST_BYTES))}
     return [*declared_needs(folder), *sorted(imported)]
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tracerisk.common.text.bounded import file_text, regular_file
+from tracerisk.common.text.bounded import file_text, in_folder, regular_file
 from tracerisk.config import PACKAGE_FILE, RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.python_2 import is_only_python_3
@@ -218,6 +218,5 @@ def _of_installed(environment: Mapping[str, str], installed: Path) -> Iterator[_
     sourced = environment.get("ROS_DISTRO", "").lower()
     if sourced:
         yield _Mention(sourced, 2, "the environment's ROS_DISTRO")
-    if installed.is_dir():
-        for folder in sorted(installed.iterdir()):
-            yield _Mention(folder.name.lower(), 1, str(folder))
+    for folder in in_folder(installed):
+        yield _Mention(folder.name.lower(), 1, str(folder))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.bounded import file_bytes, in_folder
 from tracerisk.pipeline.workspace.controller import Controller
 
 _MOST = 40
@@ -20,7 +20,7 @@ def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
     script = controller.path.resolve()
     root = controller.root.resolve()
     controllers: list[Controller] = []
-    for path in sorted(script.parent.glob("*.py")):
+    for path in in_folder(script.parent, ".py"):
         is_other = path != script and path.name not in _NO_PROGRAMS
         if not is_other or path.name.startswith("test_") or len(controllers) >= _MOST:
             continue
@@ -34,9 +34,7 @@ def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
 def _source(path: Path) -> bytes:
     """Return the bytes of a program, none for what is not one."""
     try:
-        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
-            return b""
-        source = file_bytes(path)
+        source = file_bytes(path, _MOST_BYTES)
     except OSError:
         return b""
     return b"" if b"generate_launch_description" in source else source

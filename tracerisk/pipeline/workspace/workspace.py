@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.common.text.bounded import file_text
+from tracerisk.common.text.bounded import MOST_BYTES, files_below, in_folder
 from tracerisk.config import PACKAGE_FILE, RosDistro, Settings
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
@@ -19,6 +19,7 @@ from tracerisk.pipeline.workspace.package_folders import (
     REPOSITORY,
     SOURCES,
     declared_needs,
+    head_of,
     is_of_other_ros,
     name_of,
     needed_beside,
@@ -71,7 +72,7 @@ class Workspace:
         return {
             name: folder
             for name, folder in self.packages.items()
-            if any(any((folder / kind).rglob(f"*.{kind}")) for kind in _INTERFACES)
+            if any(files_below(folder / kind, f".{kind}") for kind in _INTERFACES)
         }
 
     @property
@@ -87,9 +88,9 @@ class Workspace:
         paths: dict[str, Path] = {}
         folders = [*self.packages.items(), *((folder.name, folder) for folder in self.import_paths)]
         for name, folder in folders:
-            for path in sorted(folder.iterdir()):
+            for path in in_folder(folder):
                 is_python = (path / "__init__.py").is_file() and path.name not in TESTS
-                if is_python or (path.name == name and any(path.glob("*.py"))):
+                if is_python or (path.name == name and in_folder(path, ".py")):
                     paths.setdefault(path.name, folder)
         return paths
 
@@ -165,7 +166,7 @@ def _folder_above(name: str, root: Path) -> Path | None:
 
 
 def _holds_python(folder: Path) -> bool:
-    return folder.is_dir() and any(any(folder.glob(name)) for name in ("*.py", "*/*.py"))
+    return any(path.suffix == ".py" or in_folder(path, ".py") for path in in_folder(folder))
 
 
 def workspace_of(controller: Controller, settings: Settings) -> Workspace:
@@ -255,9 +256,9 @@ def named_packages(
     The package of `root` is one of them.
     """
     words = set(packages_in(strings))
-    for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES):
-        if file.is_file() and file.suffix in _LAUNCH_ENDINGS:
-            words.update(_WORD.findall(file_text(file, errors="replace")))
+    files = files_below(root, *_LAUNCH_ENDINGS, left_out=NOT_SEARCHED)
+    for file in [file for file in files if "launch" in file.name][:_MOST_MODULES]:
+        words.update(_WORD.findall(head_of(file, MOST_BYTES)))
     if (root / PACKAGE_FILE).is_file():
         words.update((*declared_needs(root), name_of(root)))
     return frozenset(words & packages.keys())

@@ -16,7 +16,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.common.text.bounded import file_text
+from tracerisk.common.text.bounded import file_text, files_below
 from tracerisk.config import RosDistro
 from tracerisk.errors import InputError, Location
 
@@ -293,13 +293,13 @@ class InterfaceStore:
             }
             if package in self._workspace:
                 # Some packages sort them into folders, which the names of the classes leave out.
-                definitions |= _in_folder(self._workspace[package] / kind, f"**/*.{kind}")
+                definitions |= _in_folder(self._workspace[package] / kind, f".{kind}")
             else:
                 for distro in reversed(self._distros):
                     texts = shipped_texts(distro, package).get(key, ())
                     definitions |= {text.stem: text for text in texts}
                 if package in self._installed:
-                    there = _in_folder(self._installed[package] / kind, f"**/*.{kind}")
+                    there = _in_folder(self._installed[package] / kind, f".{kind}")
                     definitions |= {
                         stem: path
                         for stem, path in there.items()
@@ -329,12 +329,12 @@ class InterfaceStore:
         return canonical(text, package, is_ros1=is_ros1).split() == shipped.text.split()
 
 
-def _in_folder(folder: Path, pattern: str) -> dict[str, Definition]:
+def _in_folder(folder: Path, ending: str) -> dict[str, Definition]:
     """Return the files in a folder by their stems; of several, the first.
 
     Pipes and what is larger than a definition are left out.
     """
-    paths = sorted(folder.glob(pattern), reverse=True)
+    paths = files_below(folder, ending)[::-1]
     return {path.stem: path for path in paths if _is_text(path)}
 
 

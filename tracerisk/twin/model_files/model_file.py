@@ -13,6 +13,7 @@ from pathlib import Path
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.common.limits import DEFAULT_LIMITS, Limits
+from tracerisk.common.text.bounded import in_folder
 from tracerisk.errors import Location, RobotError, one_of
 from tracerisk.twin.model_files.mjcf import mjcf_robot
 from tracerisk.twin.model_files.mjcf_document import read_mjcf_document
@@ -160,7 +161,7 @@ def _srdf_beside(
         if not place.resolve().is_relative_to(folder.top.resolve()):
             continue
         ranked: list[tuple[float, Path, Srdf]] = []
-        for item in sorted(place.glob("*.srdf")):
+        for item in in_folder(place, ".srdf"):
             try:
                 srdf = read_srdf(read_model_text(item, str(item)), str(item))
             except RobotError:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.text.bounded import file_text
+from tracerisk.common.text.bounded import file_text, files_below
 from tracerisk.common.text.yaml_reader import plain_yaml
 from tracerisk.config import PACKAGE_FILE
 
@@ -33,7 +33,7 @@ def package_settings(file: Path) -> Mapping[str, ast.expr]:
 @lru_cache(maxsize=8)
 def _settings_in(folder: Path) -> Mapping[str, ast.expr]:
     table: dict[str, ast.expr | None] = {}
-    for path in sorted(folder.rglob("*.y*ml"))[:_MOST_FILES]:
+    for path in files_below(folder, ".yaml", ".yml")[:_MOST_FILES]:
         for key, value in _entries(_read(path)):
             literal = _literal(value)
             if key in table and not _are_same(table[key], literal):
@@ -44,9 +44,7 @@ def _settings_in(folder: Path) -> Mapping[str, ast.expr]:
 
 def _read(path: Path) -> Any:
     try:
-        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
-            return None
-        return plain_yaml(file_text(path))
+        return plain_yaml(file_text(path, most=_MOST_BYTES))
     except (OSError, UnicodeDecodeError):
         return None
 

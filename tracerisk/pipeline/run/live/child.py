@@ -6,6 +6,7 @@ loopback alone, where the kernel allows that.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
 import os
@@ -19,7 +20,7 @@ from typing import Any
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.sandbox.kernel import features as kernel
 from tracerisk.common.sandbox.limited_process import mark_start
-from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text, files_below
 from tracerisk.errors import Location, SandboxError, TraceRiskError
 from tracerisk.instrument.marks.call_log import CALLS
 from tracerisk.instrument.recorder import Recorder
@@ -116,7 +117,10 @@ class _LiveRun:
         entry = find_entry_point(script, file_bytes(script), Path(request.root))
         has_made = False
         if self._graph.ros == 1:
-            sources = [file_bytes(path) for path in sorted(Path(request.root).rglob("*.py"))]
+            sources = []
+            for path in files_below(Path(request.root), ".py"):
+                with contextlib.suppress(OSError):
+                    sources.append(file_bytes(path))
             has_made = make_missing_modules(self._interfaces, sources, temporary)
         launch = request.launch or NOTHING_LAUNCHED
         if entry is not None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tracerisk.common.dependencies import require_linux
-from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.bounded import file_bytes, files_below
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.ros_version import ros_version
@@ -34,8 +34,7 @@ def headers_for(named: Sequence[Path], out: Path) -> tuple[str, ...]:
         raise InputError("is no folder; name one for the headers", Location(str(out)))
     files: list[Path] = []
     for path in named:
-        within = path.rglob("*") if path.is_dir() else ()
-        found = sorted(item for item in within if is_c(item.name) and item.is_file())
+        found = [item for item in files_below(path) if is_c(item.name)]
         if not found and not (is_c(path.name) and path.is_file()):
             raise InputError(
                 "is neither a C or C++ source nor a folder with any; name what includes the "
