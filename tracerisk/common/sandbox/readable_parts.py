@@ -45,18 +45,24 @@ def readable_parts(installed: Iterable[Path], given: Iterable[Path]) -> dict[str
     parts = dict.fromkeys(_SYSTEM, True)
     for places, is_installed in ((installed, True), (given, False)):
         # What lies below a place that is read already needs no look.
-        for place in sorted(_resolved(places), key=lambda path: len(path.parts)):
-            if str(place) in parts or any(parts.get(str(path)) for path in place.parents):
+        for place in sorted(_resolved(places), key=lambda path: path.count(os.sep)):
+            if place in parts or any(map(parts.get, _parents(place))):
                 continue
-            for path, is_whole in _within(place, is_installed=is_installed):
+            for path, is_whole in _within(Path(place), is_installed=is_installed):
                 parts[path] = is_whole or parts.get(path, False)
     return parts
 
 
-def _resolved(places: Iterable[Path]) -> Iterator[Path]:
-    for place in places:
+def _resolved(places: Iterable[Path]) -> Iterator[str]:
+    for place in dict.fromkeys(places):
         with contextlib.suppress(OSError, RuntimeError):
-            yield place.resolve()
+            yield str(place.resolve())
+
+
+def _parents(path: str) -> Iterator[str]:
+    while path != os.sep:
+        path = path.rpartition(os.sep)[0] or os.sep
+        yield path
 
 
 def _within(path: Path, *, is_installed: bool) -> list[tuple[str, bool]]:

@@ -11,6 +11,8 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from tracerisk.common.sandbox.files.audit_events import listen
+
 _WRITES = os.O_WRONLY | os.O_RDWR
 _MOST_NOTED = 1000
 _DATABASE = "sqlite3.connect"
@@ -70,14 +72,14 @@ class NotedReads:
     def watch(self) -> None:
         """Note each file that is opened from now on, until the process ends."""
         if self._folders or self._data:
-            sys.addaudithook(self._opened)
+            listen(("open", _DATABASE), self._opened)
 
     def files(self) -> list[str]:
         """Return the files that were noted and are there, sorted."""
         return sorted(path for path in self._noted if Path(path).is_file())
 
     def _opened(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event not in ("open", _DATABASE) or _is_apart.get():
+        if _is_apart.get():
             return
         if not isinstance(arguments[0], str | bytes):
             return

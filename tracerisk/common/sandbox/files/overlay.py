@@ -12,11 +12,11 @@ import functools
 import io
 import os
 import shutil
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from tracerisk.common.replaced_names import replaced
+from tracerisk.common.sandbox.files.audit_events import listen
 from tracerisk.common.sandbox.files.noted_reads import unnoted
 from tracerisk.common.sandbox.files.replaced_functions import (
     OS_NAMES,
@@ -79,12 +79,12 @@ class Overlay:
 
     def _watch_network(self) -> None:
         def watch(event: str, arguments: tuple[Any, ...]) -> None:
-            if event in _NETWORK and len(arguments) > 1 and not is_inside():
+            if len(arguments) > 1 and not is_inside():
                 with inside():
                     if not is_of_run(event, *arguments[:2]):
                         self._denied(_NETWORK[event], address_text(arguments[1]))
 
-        sys.addaudithook(watch)
+        listen(_NETWORK, watch)
 
     def _functions(self) -> dict[str, Callable[..., Any]]:
         callables: dict[str, Callable[..., Any]] = {

@@ -13,6 +13,7 @@ import struct
 import sys
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from tracerisk.common.sandbox.kernel.system_calls import is_known_machine, program
@@ -250,7 +251,7 @@ def restrict(
     scope = _SCOPE_ABSTRACT_SOCKETS | _SCOPE_SIGNALS if version >= _SIGNALS_SINCE else 0
     ruleset = _ruleset(handled, ports, scope)
     are_ours = True
-    folders: set[Path] = set()
+    folders: set[str] = set()
     for paths, wanted in (
         (readable, _EXECUTE | _READ | _LIST),
         (listable, _LIST),
@@ -259,7 +260,7 @@ def restrict(
     ):
         for path in paths:
             are_ours &= _allow(ruleset, path, wanted & handled)
-            folders.add(Path(path).parent)
+            folders.add(path.rpartition(os.sep)[0] or os.sep)
     are_ours = are_ours and not any(map(_is_closed, _with_parents(folders)))
     _restrict(ruleset)
     _give_up_capabilities(0 if are_ours else 1 << _OPEN_FILES_OF_OTHERS)
@@ -305,16 +306,22 @@ def _allow(ruleset: int, path: str, rights: int) -> bool:
     return True
 
 
-def _with_parents(folders: Iterable[Path]) -> set[Path]:
+def _with_parents(folders: Iterable[str]) -> set[str]:
     """Return folders with those around them, by their names and by where these lead."""
-    named = {path for folder in folders for path in (folder, Path(os.path.realpath(folder)))}
-    return named.union(parent for path in named for parent in path.parents)
+    found: set[str] = set()
+    for folder in folders:
+        for name in (folder, os.path.realpath(folder)):
+            above = name
+            while above not in found:
+                found.add(above)
+                above = above.rpartition(os.sep)[0] or os.sep
+    return found
 
 
-def _is_closed(folder: Path) -> bool:
+def _is_closed(folder: str) -> bool:
     """Return whether a folder belongs to another user, and not everybody may enter it."""
     with contextlib.suppress(OSError):
-        status = folder.stat()
+        status = os.stat(folder)  # noqa: PTH116 - dozens of them at each start
         return status.st_uid not in (0, os.geteuid()) and not status.st_mode & stat.S_IXOTH
     return False
 
@@ -341,6 +348,7 @@ def _restrict(ruleset: int) -> None:
     os.close(ruleset)
 
 
+@lru_cache(maxsize=1)
 def _libc() -> ctypes.CDLL:
     return ctypes.CDLL(None, use_errno=True)
 

@@ -8,6 +8,7 @@ refused as an ordinary failure, so that a program that can live without it does.
 from __future__ import annotations
 
 import errno
+import itertools
 import platform
 import struct
 from collections.abc import Mapping, Sequence
@@ -99,6 +100,11 @@ Lines = tuple[tuple[int, int, int, int], ...]
 """Instructions of the kernel's filter: what to do, two distances to jump, and a figure."""
 
 
+_ALLOWED: Lines = ((_RETURN, 0, 0, _ALLOW),)
+_UNKNOWN: Lines = ((_RETURN, 0, 0, _ERRNO | errno.EPERM),)
+_UNKNOWN_NEW: Lines = ((_RETURN, 0, 0, _ERRNO | errno.ENOSYS),)
+
+
 def checks(*, landlock: int, process: int, own_network: bool = False) -> dict[str, Checks]:
     """Return the arguments that calls may have on a kernel with this version of Landlock.
 
@@ -158,33 +164,31 @@ def program(
     Raises KeyError for a machine that `is_known_machine` does not know.
     """
     name, column = _MACHINES[machine or platform.machine()]
-    found: dict[int, Lines] = {}
+    found: dict[int | None, Lines] = {}
     arguments = checks(landlock=landlock, process=process, own_network=own_network)
-    for group in (*ALLOWED, *CHECKED, *ANSWERED):
+    for group in ALLOWED:
+        found |= dict.fromkeys((pair[column] for pair in group.numbers.values()), _ALLOWED)
+    for group in (*CHECKED, *ANSWERED):
+        refused = (_RETURN, 0, 0, _ERRNO | group.answer)
         for call, numbers in group.numbers.items():
-            number = numbers[column]
-            if number is None:
-                continue
-            if group in ALLOWED:
-                found[number] = ((_RETURN, 0, 0, _ALLOW),)
-            else:
-                refused = (_RETURN, 0, 0, _ERRNO | group.answer)
-                found[number] = (*_tested(arguments.get(call, ())), refused)
+            found[numbers[column]] = (*_tested(arguments.get(call, ())), refused)
+    # A call that the machine lacks has no number.
+    found.pop(None, None)
     begun = (
         (_LOAD, 0, 0, _ARCH_AT),
         (_EQUAL, 1, 0, name),
         (_RETURN, 0, 0, _KILL),
         (_LOAD, 0, 0, _NUMBER_AT),
     )
-    return b"".join(struct.pack("=HBBI", *line) for line in (*begun, *_searched(_ranges(found))))
+    lines = (*begun, *_searched(_ranges(found)))
+    return struct.pack("=" + "HBBI" * len(lines), *itertools.chain.from_iterable(lines))
 
 
-def _ranges(found: Mapping[int, Lines]) -> list[tuple[int, Lines]]:
+def _ranges(found: Mapping[int | None, Lines]) -> list[tuple[int, Lines]]:
     """Return what is to be done from which number on; the last goes on without end."""
     ranges: list[tuple[int, Lines]] = []
-    for number in range(max(found) + 2):
-        answer = errno.EPERM if number < _FIRST_NEW else errno.ENOSYS
-        lines = found.get(number, ((_RETURN, 0, 0, _ERRNO | answer),))
+    for number in range(max(filter(None, found)) + 2):
+        lines = found.get(number, _UNKNOWN if number < _FIRST_NEW else _UNKNOWN_NEW)
         if not ranges or ranges[-1][1] != lines:
             ranges.append((number, lines))
     return ranges
@@ -209,7 +213,7 @@ def _tested(ways: Checks) -> Lines:
     """Return the tests of a call's arguments, which allow it or go on behind them."""
     lines: Lines = ()
     for way in ways:
-        tests: Lines = ((_RETURN, 0, 0, _ALLOW),)
+        tests = _ALLOWED
         for check in reversed(way):
             at = _ARGUMENTS_AT + 8 * check.argument + _UPPER_HALF * check.is_upper
             count, behind = len(check.values), len(tests)
