@@ -23,7 +23,7 @@ from tracerisk.pipeline.run.unmet_needs import JudgedEnd
 from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
 from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.controller.removed_names import removed_name_hint
-from tracerisk.ros.imports.window_names import needs_screen, no_screen
+from tracerisk.ros.imports.panels.window_names import needs_screen, no_screen
 from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.trace import EndCause
 from tracerisk.twin.simulation.twin import Twin

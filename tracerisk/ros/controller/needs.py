@@ -26,6 +26,10 @@ WINDOW_MODULES = frozenset({
     "tkinter", "ttkbootstrap",
 })  # fmt: skip
 """The libraries for windows, by their top names."""
+WEB_MODULES = frozenset({
+    "fastapi", "flask", "flask_cors", "flask_socketio", "quart", "sanic", "uvicorn", "waitress",
+})  # fmt: skip
+"""The libraries for web servers, by their top names."""
 FROM_USE = "its messages hold what the program uses of them, of the types that it shows; "
 """How the remedy of a package begins whose definitions are made of how the program uses them."""
 _ASKED_IN_VAIN = 10

@@ -22,7 +22,14 @@ from tracerisk.instrument.source.literals.filled_messages import (
 )
 from tracerisk.instrument.source.literals.key_codes import CODES
 from tracerisk.instrument.source.literals.known_keys import known_keys
-from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need, NeedKind
+from tracerisk.ros.controller.needs import (
+    FROM_USE,
+    KEYS,
+    WEB_MODULES,
+    WINDOW_MODULES,
+    Need,
+    NeedKind,
+)
 from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.drafts.asked_results import calls_of, held_by, used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
@@ -365,6 +372,10 @@ def _module(lack: Lack) -> _Made:
         words = f"windows of {lack.need.name} without a screen: each button is pressed once, "
         words += "in the order in which they were made, and the window is closed"
         return {"module": lack.need.name}, words
+    if lack.need.name in WEB_MODULES:
+        words = f"a web server of {lack.need.name} without a network: each route is requested "
+        words += "once, in the order in which they were made, with numbers of a posture of "
+        return {"module": lack.need.name}, f"{words}{lack.values.robot.name}"
     if lack.need.type_name.startswith(FROM_USE):
         return {"module": lack.need.name}, lack.need.type_name
     words = f"a placeholder, whose numbers are a posture of {lack.values.robot.name}"

@@ -22,7 +22,7 @@ from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.ros.controller.needs import WINDOW_MODULES
 from tracerisk.ros.controller.removed_names import REMOVED_MODULES
-from tracerisk.ros.imports.window_names import no_screen
+from tracerisk.ros.imports.panels.window_names import no_screen
 
 VENDOR_LIBRARIES = frozenset(
     {

@@ -19,18 +19,19 @@ from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.prefixes import python_folders
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import Workspace
-from tracerisk.ros.controller.needs import WINDOW_MODULES
+from tracerisk.ros.controller.needs import WEB_MODULES, WINDOW_MODULES
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
+from tracerisk.ros.imports.panels.web_modules import web_finder
+from tracerisk.ros.imports.panels.window_modules import Windows, window_finder
+from tracerisk.ros.imports.panels.window_names import OF_QT
 from tracerisk.ros.imports.placeholder_modules import (
     HiddenModules,
     PlaceholderFinder,
     PlaceholderValues,
 )
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
-from tracerisk.ros.imports.window_modules import Windows, window_finder
-from tracerisk.ros.imports.window_names import OF_QT
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +48,8 @@ class Imports:
     """Finds the modules for which the scenario has placeholders."""
     windows: PlaceholderFinder
     """Finds the libraries for windows that the scenario names."""
+    web: PlaceholderFinder
+    """Finds the libraries for web servers that the scenario names."""
     screens: HiddenModules
     """Hides the other ones that end the process where there is no screen."""
     own: ControllerFinder
@@ -88,12 +91,14 @@ def build_imports(
     scheduler = world.scheduler
     values = PlaceholderValues(lambda: watches.values.posture, lambda: scheduler.now_ns)
     named = {name for name, _ in world.scenario.modules}
-    placeholders = PlaceholderFinder.of_values(named - WINDOW_MODULES, values)
+    placeholders = PlaceholderFinder.of_values(named - WINDOW_MODULES - WEB_MODULES, values)
     failed = partial(callback_failed, "a callback of a window")
     windows = window_finder(named & WINDOW_MODULES, Windows(values, scheduler.sleep, failed))
+    failed = partial(callback_failed, "what answers a route of a web server")
+    web = web_finder(named & WEB_MODULES, Windows(values, scheduler.sleep, failed))
     screens = HiddenModules({name for name in WINDOW_MODULES - named if OF_QT.search(name)})
     missing = MissingModules(script, root, stand_ins.provides)
-    return Imports(stand_ins, beside, installed, placeholders, windows, screens, own, missing)
+    return Imports(stand_ins, beside, installed, placeholders, windows, web, screens, own, missing)
 
 
 def _installed_libraries(

@@ -75,6 +75,7 @@ def controller_surroundings(
         imports.installed.active(),
         imports.placeholders,
         imports.windows,
+        imports.web,
         imports.screens,
         answered_commands(graph.runtime),
         removed_numpy_names(),

@@ -17,7 +17,7 @@ from math import degrees
 from types import SimpleNamespace
 from typing import Any
 
-from tracerisk.ros.imports import window_names as names
+from tracerisk.ros.imports.panels import window_names as names
 from tracerisk.ros.imports.placeholder_modules import (
     Placeholder,
     PlaceholderFinder,
@@ -63,7 +63,7 @@ class Windows:
         if callable(function) and not isinstance(function, Placeholder):
             name = getattr(function, "__name__", "")
             ends = names.ENDS.search(name) or (isinstance(text, str) and names.ENDS.search(text))
-            (self._last if ends else self._buttons).append(lambda: _called(function, *given))
+            (self._last if ends else self._buttons).append(lambda: called(function, *given))
 
     def later(self, delay_ms: object, function: object, *given: object) -> object:
         """Call a function when the time has passed, and return what `cancel` takes."""
@@ -71,7 +71,7 @@ class Windows:
             return None
         delay_ns = 0 if isinstance(delay_ms, str) else round(float(delay_ms) * 1e6)  # type: ignore[arg-type]
         due_ns = self.values.now_ns() + max(_LEAST_NS, delay_ns)
-        timer = due_ns, lambda: _called(function, *given)
+        timer = due_ns, lambda: called(function, *given)
         self._timers.append(timer)
         return timer
 
@@ -257,7 +257,7 @@ def widget_of(name: str, windows: Windows, owner: Widget | None = None) -> Any:
     return Widget(name, windows, owner)
 
 
-def _called(function: Callable[..., Any], *given: object) -> Any:
+def called(function: Callable[..., Any], *given: object) -> Any:
     """Call a function with as many of the values as it takes."""
     try:
         parameters = inspect.signature(function).parameters.values()
@@ -291,7 +291,7 @@ def _connect(signal: Any, slot: Any = None, *_: Any, **__: Any) -> None:
 
 def _emit(signal: Any, *given: Any) -> None:
     for slot in signal._slots:
-        _called(slot, *given)
+        called(slot, *given)
 
 
 def _start(widget: Any, interval_ms: Any = None, *_: Any) -> None:

@@ -5,9 +5,9 @@ from textwrap import dedent
 
 import pytest
 
+from tracerisk.ros.imports.panels.window_modules import Windows, window_finder
+from tracerisk.ros.imports.panels.window_names import needs_screen
 from tracerisk.ros.imports.placeholder_modules import PlaceholderValues
-from tracerisk.ros.imports.window_modules import Windows, window_finder
-from tracerisk.ros.imports.window_names import needs_screen
 
 POSTURE = (0.1, -0.7, 0.3)
 TK = """

@@ -1,0 +1,1 @@
+"""What a user operates a program by, where nobody does: windows, and pages of a web server."""
