@@ -199,6 +199,16 @@ def test_a_fault_that_comes_after_drafted_values_is_not_reported_in_place_of_the
     assert "waits for a message on /object" in plain.err
 
 
+def test_what_goes_wrong_with_drafted_values_is_told_beside_what_it_lacks(example):
+    wrong = "rospy.wait_for_message('/part', String)\nturn(0.1)\nrospy.logerr('no such part')\n"
+    example.write("c.py", HEAD + wrong)
+    ran = example.run("run", "c.py")
+    said = " ".join(ran.err.split())
+    assert ran.code == 4
+    assert "MainThread waits for a message on /part" in said
+    assert "with values drafted for what it lacks, it moves and goes wrong: it logged ERROR" in said
+
+
 def test_what_runs_well_is_as_without(example, quick):
     example.write("c.py", quick())
     assert example.run("run", "c.py", "--json").code == 0

@@ -87,7 +87,8 @@ def trace_with_draft(
         return result
     # What it lacks first hides a name that it asks for later, which no draft can give.
     cut = [_OVER] if search.cut else []
-    message = "; ".join((trace.end.message, *search.mistakes, *cut))
+    wrong = _gone_wrong(search.best)
+    message = "; ".join((trace.end.message, *search.mistakes, *wrong, *cut))
     return replace(trace, end=replace(trace.end, message=message))
 
 
@@ -135,6 +136,17 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
         # What is kept is the recording of the run that is reported.
         trace = search.trace(best.entries, RunOptions(keep, is_replayed=True))
     return _with_drafts(controller, search, best.entries, trace)
+
+
+def _gone_wrong(best: Attempt) -> list[str]:
+    """Return in words what went wrong first in the best run with drafted values, if one moved."""
+    if not (best.is_traced and best.entries.drafts) or best.trace is None:
+        return []
+    verdict = best.trace.verdict
+    if verdict is None or verdict.kind != "faulted" or not verdict.deciding_reasons:
+        return []
+    words = verdict.deciding_reasons[0].words
+    return [f"with values drafted for what it lacks, it moves and goes wrong: {words}"]
 
 
 def _with_drafts(controller: Controller, search: Rounds, entries: Entries, trace: Trace) -> Trace:
