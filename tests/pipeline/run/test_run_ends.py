@@ -388,6 +388,7 @@ def test_the_same_goal_again_and_again_that_never_arrives_ends_a_run(example, bo
     assert end["cause"] == cause, outcome.err
     if cause == "idle":
         assert "nothing but the same was commanded in 60 s" in end["message"]
+        assert end["message"].endswith("each was replaced by the next one before its time was over")
         assert end["simulated_s"] < 70
 
 

@@ -46,6 +46,8 @@ class _Iteration:
     """The goal of each command [rad or m], without immediate repetitions."""
     has_reached: bool = False
     """Whether one of its commands arrived."""
+    has_failed: bool = False
+    """Whether one of its commands ended in another way than that another one replaced it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -153,6 +155,7 @@ class RunWatch:
         """Note that a command ends, and how."""
         self._last_command_ns = self._scheduler.now_ns
         for iteration in self._iteration_of.pop(command_id, ()):
+            iteration.has_failed |= end not in ("arrived", "replaced")
             if end == "arrived" and not iteration.has_reached:
                 iteration.has_reached = True
                 insort(iteration.of_loop.reached, iteration.number)
@@ -288,7 +291,7 @@ class RunWatch:
             self._scheduler.end(
                 "idle",
                 f"nothing but the same was commanded in {lasting_s:.0f} s of a loop without an "
-                "end, and it never arrived",
+                f"end, and {_ends_of(loop)}",
                 loop.place,
             )
 
@@ -299,6 +302,17 @@ class RunWatch:
             return False
         lasting_s = (now_ns - loop.past[loop.same_from].start_ns) * 1e-9
         return lasting_s >= (self.idle_s if count < _MANY_THE_SAME else self.idle_s / 3)
+
+
+def _ends_of(loop: _Loop) -> str:
+    """Return in words how the latest commands of a loop ended, which are all the same.
+
+    Whether the arm came to its goal is not said: who commands the same before the time is over
+    comes nearer each time.
+    """
+    if any(iteration.has_failed for iteration in loop.past[loop.same_from :]):
+        return "none arrived"
+    return "each was replaced by the next one before its time was over"
 
 
 def _cycle_start(past: Sequence[_Iteration], reached: Sequence[int]) -> tuple[int, int] | None:
