@@ -15,8 +15,8 @@ from math import *
 
 import DR_init
 import rospy
-from DR_functions import *
-from DR_functions._motions import stop as _stop
+from DR_common2._functions import *
+from DR_common2._functions._motions import stop as _stop
 from dsr_msgs.msg import *
 from dsr_msgs.srv import *
 from std_msgs.msg import (

@@ -7,8 +7,8 @@ Source: doosan-robotics/doosan-robot2 common2/imp/DSR_ROBOT2.py.
 # ruff: noqa: F401, F403 - as the library does
 from __future__ import annotations
 
-from DR_functions import *
-from DR_functions._calls import g_node
+from DR_common2._functions import *
+from DR_common2._functions._calls import g_node
 from dsr_msgs2.msg import *
 from dsr_msgs2.srv import *
 
