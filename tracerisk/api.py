@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from tracerisk.adder.blocks.override import Override
-    from tracerisk.adder.figures.computed import ProfileText
+    from tracerisk.adder.figures.following import ProfileText
     from tracerisk.adder.merge.edits_found import MergePolicy
     from tracerisk.common.campaign import CampaignOptions
     from tracerisk.common.evidence.cells import Evidence

@@ -17,7 +17,8 @@ from tracerisk.adder.annotate import (
     SourceBlocks,
     annotate_sources,
 )
-from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
+from tracerisk.adder.figures.computed import ComputedBlocks, compute_blocks
+from tracerisk.adder.figures.following import ProfileText
 from tracerisk.adder.lock.digest import block_digests
 from tracerisk.adder.lock.lock import LOCK_NAME, Behind, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.edits_found import MergePolicy

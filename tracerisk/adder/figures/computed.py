@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.failures import FailureModes
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import (
-    DONE,
     computed_count,
     computed_next,
     computed_probability,
     computed_redundancy,
-    profile_next,
 )
 from tracerisk.adder.figures.assumptions import (
     assumptions_of,
@@ -26,6 +23,12 @@ from tracerisk.adder.figures.assumptions import (
     uncounted_holds,
 )
 from tracerisk.adder.figures.failure_outcomes import FailureOutcomes, later_functions
+from tracerisk.adder.figures.following import (
+    ProfileText,
+    check_profile,
+    next_counts,
+    pinned_next,
+)
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.adder.quantify.component_activity import (
     ComponentUse,
@@ -46,12 +49,8 @@ from tracerisk.common.hardware.binding import BoundComponent, bind
 from tracerisk.common.hardware.model import Component, Hardware, is_assumed
 from tracerisk.common.hardware.use import UnknownUseError
 from tracerisk.config import ActiveMode
-from tracerisk.errors import HardwareError, InputError, Location, one_of
-from tracerisk.trace import Cycle, Trace
-
-ProfileText = Mapping[str, Mapping[str, str]]
-"""An operational profile: for each function the share of each target, as a user wrote it."""
-
+from tracerisk.errors import HardwareError, Location
+from tracerisk.trace import Trace
 
 _HOLDING = "active: only motion counts, and the time in which joints hold something does not"
 
@@ -109,7 +108,7 @@ def compute_blocks(
     _check_tests(bound, trace)
     counts = next_counts(trace)
     names = model_names([function.ref for function in trace.functions])
-    _check_profile(profile or {}, list(names.values()))
+    check_profile(profile or {}, list(names.values()))
     visits = visits_by_function(trace)
     known = None if evidence is None else evidence.among(trace)
     used = [use_of(bound_component, trace, active, known) for bound_component in bound]
@@ -133,7 +132,7 @@ def compute_blocks(
         following = computed_next(counts[ref])
         name = names[ref]
         if profile and name in profile:
-            following = _pinned(profile[name], following.text, name)
+            following = pinned_next(profile[name], following.text, name)
         blocks[ref] = RiskBlock(
             name=ref.name,
             call_sequence=computed_count(function.call_sequence),
@@ -282,69 +281,6 @@ def group_values(
         return {}
     values = group_unit_probabilities(list(uses.values()), used.component.redundancy, used.renewal)
     return dict(zip(uses, values, strict=True))
-
-
-def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
-    """Return how many visits of each target followed the visits of each function.
-
-    Targets stand in the order of their call sequence, `done` last, and are called as in the
-    model.
-    """
-    names = model_names([function.ref for function in trace.functions])
-    counts: dict[FunctionRef, dict[str, int]] = {}
-    for function in trace.functions:
-        counts[function.ref] = dict.fromkeys((*names.values(), DONE), 0)
-    if trace.cycle is not None:
-        return _cycled_counts(trace, trace.cycle, counts, names)
-    followers = [*(names[visit.function] for visit in trace.visits[1:]), DONE]
-    followers = followers[: len(trace.visits)]
-    for visit, follower in zip(trace.visits, followers, strict=True):
-        counts[visit.function][follower] += 1
-    return _without_zeros(counts)
-
-
-def _cycled_counts(
-    trace: Trace,
-    cycle: Cycle,
-    counts: dict[FunctionRef, dict[str, int]],
-    names: Mapping[FunctionRef, str],
-) -> dict[FunctionRef, dict[str, int]]:
-    """Count as if the cycle had come as often as the mission is declared to have it."""
-    path = [visit.function for visit in trace.visits[: cycle.first_visit + cycle.visits]]
-    for number, (function, follower) in enumerate(itertools.pairwise(path), start=1):
-        is_in_cycle = number > cycle.first_visit
-        counts[function][names[follower]] += cycle.mission_cycles if is_in_cycle else 1
-    counts[path[-1]][names[path[cycle.first_visit]]] += cycle.mission_cycles - 1
-    counts[path[-1]][DONE] += 1
-    return _without_zeros(counts)
-
-
-def _without_zeros(
-    counts: Mapping[FunctionRef, Mapping[str, int]],
-) -> dict[FunctionRef, dict[str, int]]:
-    return {
-        ref: {target: count for target, count in row.items() if count}
-        for ref, row in counts.items()
-    }
-
-
-def _check_profile(profile: ProfileText, names: Sequence[str]) -> None:
-    for name, shares in profile.items():
-        if name not in names:
-            raise InputError(f"profile: no function '{name}' in the trace; {one_of(names, name)}")
-        for target in shares:
-            if target not in (*names, DONE):
-                raise InputError(
-                    f"profile of '{name}': no function '{target}' in the trace; "
-                    f"{one_of((*names, DONE), target)}"
-                )
-
-
-def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[Transition, ...]]:
-    try:
-        return profile_next(shares, computed)
-    except ValueError as error:
-        raise InputError(f"profile of '{name}': expected {error}") from error
 
 
 def _entries(

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.adder.blocks.values import component_fields, has_pins
+from tracerisk.adder.blocks.values import has_pins
 from tracerisk.adder.lock.digest import is_as_written
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
-from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -25,6 +24,7 @@ from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
 from tracerisk.pipeline.check.not_in_git import untracked_findings
+from tracerisk.pipeline.check.reasons import without_reason
 from tracerisk.pipeline.check.remedies import as_typed, with_remedy
 from tracerisk.pipeline.check.run import (
     CoverageLimits,
@@ -260,30 +260,6 @@ def _unjustified(settings: Settings, sources: Sequence[CheckedSource]) -> Iterab
         return
     for source in sources:
         yield from without_reason(source.placed, source.shown)
-
-
-def without_reason(blocks: Iterable[PlacedBlock], shown: str) -> Iterable[CheckFinding]:
-    """Yield a finding for each thing that a user set without a reason in a file's blocks."""
-    for placed in blocks:
-        for path, place in _values_without_reason(placed.block):
-            message = f"{path} is set by hand without a reason"
-            finding = CheckFinding("unjustified", message, place or Location(shown), path)
-            yield with_remedy(finding, Path(shown))
-
-
-def _values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
-    if block.added and block.reason is None:
-        yield block.name, block.location
-    for key, value in (("callSequence", block.call_sequence), ("next", block.next)):
-        if value is not None and value.pinned and value.reason is None:
-            yield f"{block.name}.{key}", value.location
-    for component in block.components:
-        path = f"{block.name}.{component.name}"
-        if (component.added or component.omitted) and component.reason is None:
-            yield path, component.location
-        for kind, value in component_fields(component):
-            if value.pinned and value.reason is None:
-                yield f"{path}.{kind.key}", value.location
 
 
 def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.adder.figures.computed import next_counts
+from tracerisk.adder.figures.following import next_counts
 from tracerisk.common import trace_json
 from tracerisk.common.field.profile import (
     QUANTITIES,

@@ -17,9 +17,9 @@ from tracerisk.common.verdict import NEVER_RAN, Reason
 from tracerisk.common.worlds.world_run import WorldRun, dependence_line, depending
 from tracerisk.config import controller_root, repository_above
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.pipeline.check.check import without_reason
 from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
 from tracerisk.pipeline.check.metrics import annotated_sources
+from tracerisk.pipeline.check.reasons import without_reason
 from tracerisk.pipeline.check.run import function_place
 from tracerisk.pipeline.freshness.known_controllers import is_gone
 from tracerisk.pipeline.freshness.used_evidence import evidence_of_last_run

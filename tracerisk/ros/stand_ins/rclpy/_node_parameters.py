@@ -10,14 +10,13 @@ from rcl_interfaces.msg import (
     ListParametersResult,
     ParameterDescriptor,
     ParameterEvent,
-    ParameterValue,
     SetParametersResult,
 )
 
 from tracerisk.ros.controller.needs import Need
 
 from ._handle import Handle
-from ._parameter_checks import refusal
+from ._parameter_checks import declaration, refusal
 from ._run import run
 from .exceptions import (
     InvalidParameterTypeException,
@@ -28,7 +27,6 @@ from .exceptions import (
     ParameterUninitializedException,
 )
 from .parameter import PARAMETER_SEPARATOR_STRING, Parameter, parameter_value_to_python
-from .validate_parameter_name import validate_parameter_name
 
 _NOT_SET = Parameter.Type.NOT_SET
 
@@ -72,7 +70,7 @@ class NodeParameters:
         results: list[Parameter] = []
         descriptors: dict[str, Any] = {}
         for index, entry in enumerate(parameters):
-            name, value, descriptor = self._declaration(namespace, index, entry)
+            name, value, descriptor = declaration(namespace, index, entry)
             run().runtime.graph.parameters.ask(name)
             kind = Parameter.Type(descriptor.type).name.lower() if descriptor.type else ""
             scheduler, need = run().scheduler, Need("parameter", name, kind)
@@ -95,59 +93,6 @@ class NodeParameters:
                 raise InvalidParameterTypeException(parameter, expected)
             raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
         return [self._parameters[parameter.name] for parameter in results]
-
-    def _declaration(
-        self, namespace: str, index: int, entry: tuple[Any, ...]
-    ) -> tuple[str, Any, Any]:
-        if not 1 <= len(entry) <= 3:
-            raise TypeError(
-                f"Invalid parameter tuple length at index {index} in parameters list: "
-                f"{entry}; expecting length between 1 and 3"
-            )
-        name = entry[0]
-        if not isinstance(name, str):
-            raise TypeError(
-                f"First element {name} at index {index} in parameters list is not a str."
-            )
-        name = f"{namespace}.{name}" if namespace else name
-        validate_parameter_name(name)
-        second = entry[1] if len(entry) > 1 else None
-        descriptor = entry[2] if len(entry) > 2 else ParameterDescriptor()
-        if not isinstance(descriptor, ParameterDescriptor):
-            raise TypeError(
-                f"Third element {descriptor} at index {index} in parameters list "
-                "is not a ParameterDescriptor."
-            )
-        if len(entry) == 1:
-            warnings.warn(
-                f"when declaring parameter named '{name}', declaring a parameter only providing "
-                "its name is deprecated; give a default value, a type, or a descriptor with "
-                "`dynamic_typing=True`",
-                stacklevel=4,
-            )
-            descriptor.dynamic_typing = True
-        if isinstance(second, Parameter.Type):
-            if second is _NOT_SET:
-                raise ValueError(
-                    f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET"
-                )
-            if descriptor.dynamic_typing:
-                raise ValueError(
-                    f"When declaring parameter {{{name}}} passing a descriptor with "
-                    "`dynamic_typing=True` is not allowed when the parameter type is provided"
-                )
-            descriptor.type = second.value
-            return name, None, descriptor
-        if isinstance(second, ParameterValue):
-            second = parameter_value_to_python(second)
-        if not descriptor.dynamic_typing:
-            descriptor.type = Parameter.Type.from_parameter_value(second).value
-            if descriptor.type == _NOT_SET.value:
-                raise ValueError(
-                    "Cannot declare a statically typed parameter with default value "
-                    "of type PARAMETER_NOT_SET"
-                )
-        return name, second, descriptor
 
     def undeclare_parameter(self, name: str) -> None:
         """Forget a parameter.

@@ -1,11 +1,15 @@
-"""Whether a descriptor lets a parameter have a value."""
+"""What a parameter is declared to be, and whether its descriptor lets it have a value."""
 
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
-from .parameter import Parameter
+from rcl_interfaces.msg import ParameterDescriptor, ParameterValue
+
+from .parameter import Parameter, parameter_value_to_python
+from .validate_parameter_name import validate_parameter_name
 
 _NOT_SET = Parameter.Type.NOT_SET
 
@@ -53,3 +57,57 @@ def _outside(parameter: Parameter, values: Any, span: Any, *, is_whole: bool) ->
                     f"step: {span.step}"
                 )
     return ""
+
+
+def declaration(namespace: str, index: int, entry: tuple[Any, ...]) -> tuple[str, Any, Any]:
+    """Return name, value and descriptor of an entry of `Node.declare_parameters`.
+
+    Raises TypeError and ValueError as it does.
+    """
+    if not 1 <= len(entry) <= 3:
+        raise TypeError(
+            f"Invalid parameter tuple length at index {index} in parameters list: "
+            f"{entry}; expecting length between 1 and 3"
+        )
+    name = entry[0]
+    if not isinstance(name, str):
+        raise TypeError(f"First element {name} at index {index} in parameters list is not a str.")
+    name = f"{namespace}.{name}" if namespace else name
+    validate_parameter_name(name)
+    second = entry[1] if len(entry) > 1 else None
+    descriptor = entry[2] if len(entry) > 2 else ParameterDescriptor()
+    if not isinstance(descriptor, ParameterDescriptor):
+        raise TypeError(
+            f"Third element {descriptor} at index {index} in parameters list "
+            "is not a ParameterDescriptor."
+        )
+    if len(entry) == 1:
+        warnings.warn(
+            f"when declaring parameter named '{name}', declaring a parameter only providing "
+            "its name is deprecated; give a default value, a type, or a descriptor with "
+            "`dynamic_typing=True`",
+            stacklevel=4,
+        )
+        descriptor.dynamic_typing = True
+    if isinstance(second, Parameter.Type):
+        if second is _NOT_SET:
+            raise ValueError(
+                f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET"
+            )
+        if descriptor.dynamic_typing:
+            raise ValueError(
+                f"When declaring parameter {{{name}}} passing a descriptor with "
+                "`dynamic_typing=True` is not allowed when the parameter type is provided"
+            )
+        descriptor.type = second.value
+        return name, None, descriptor
+    if isinstance(second, ParameterValue):
+        second = parameter_value_to_python(second)
+    if not descriptor.dynamic_typing:
+        descriptor.type = Parameter.Type.from_parameter_value(second).value
+        if descriptor.type == _NOT_SET.value:
+            raise ValueError(
+                "Cannot declare a statically typed parameter with default value "
+                "of type PARAMETER_NOT_SET"
+            )
+    return name, second, descriptor
