@@ -243,6 +243,25 @@ def test_a_redundancy_by_hand_over_units_that_differ_is_reported_so(call, tmp_pa
     assert_reported("unequal", out, tmp_path)
 
 
+def test_a_value_by_hand_whose_use_moved_is_reported_so(call, tmp_path, quick):
+    whole = quick("joints[1] += 0.05", "arm.go(joints, wait=True)", "return arm")
+    put({"cell.py": whole})
+    assert call("run cell.py --quiet")[0] == ExitCode.FINE
+    edit("probability = ", "probability := 3e-05  ! of the supplier, computed ")
+    edit("    act(arm)\n\nif", "    rest(act(arm))\n\nif")
+    edit("    joints[1] += 0.05\n    arm.go(joints, wait=True)\n", "")
+    edit(
+        "def main", "def rest(arm):\n    arm.set_named_target('ready')\n    arm.go()\n\n\ndef main"
+    )
+    _, out = call("refresh cell.py")
+    assert "moved: " in out
+    exit_code, out = call("check cell.py")
+    assert exit_code == ExitCode.WOULD_CHANGE
+    assert_reported("moved", out, tmp_path)
+    edit("of the supplier", "of the supplier, for each turn")
+    assert call("check cell.py")[0] == ExitCode.FINE
+
+
 def test_a_contact_that_is_to_fail_is_reported_so_and_so_are_pictures_that_nothing_draws(
     call, tmp_path, quick, monkeypatch
 ):
@@ -353,6 +372,7 @@ def test_each_code_has_a_section_and_each_section_a_code():
         "edit",
         "reason",
         "unequal",
+        "moved",
         "contact",
         "dependency",
         "limit",

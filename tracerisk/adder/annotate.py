@@ -26,6 +26,7 @@ from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence, merge_with_bases
 from tracerisk.adder.merge.edits_found import HandEdit, MergePolicy, edits_error, in_the_way
 from tracerisk.adder.merge.hand_edits import check_targets, give_way, is_next_by_hand, ranks_by_hand
+from tracerisk.adder.merge.owned import owned_values
 from tracerisk.adder.merge.steady import is_same_run, kept_values, steady_components
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
@@ -211,6 +212,8 @@ def annotate_sources(
         behind=behind,
         kept=_kept(sources, merged, same, policy),
     )
+    blocks = {file: one.blocks for file, one in merged.items()}
+    final = replace(final, owned=owned_values(blocks, entry, _earlier_refs(followed), final))
     pending = replace(
         final,
         previous={file: {} for file in merged} if entry is None else entry.blocks,
@@ -220,6 +223,15 @@ def annotate_sources(
     if not changed and new_lock.dumps() == lock.dumps():
         return Unchanged(lock)
     return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
+
+
+def _earlier_refs(followed: Mapping[str, FollowedSource]) -> dict[FunctionRef, FunctionRef]:
+    """Return the earlier function of each that was renamed in its file."""
+    return {
+        FunctionRef(file, QualifiedName(new)): FunctionRef(file, QualifiedName(old))
+        for file, one in followed.items()
+        for new, old in one.names.own.items()
+    }
 
 
 def _kept(

@@ -22,6 +22,7 @@ from tracerisk.adder.figures.following import ProfileText
 from tracerisk.adder.lock.digest import block_digests
 from tracerisk.adder.lock.lock import LOCK_NAME, Behind, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.owned import MovedUse, moved_uses
 from tracerisk.adder.merge.steady import is_same_run
 from tracerisk.adder.sources.functions import digests_behind
 from tracerisk.adder.sources.insert import in_form as blocks_in_form
@@ -71,6 +72,8 @@ class Annotated:
     """The run that they are of."""
     fingerprint: str
     """The digest of what that run depended on."""
+    moved: tuple[MovedUse, ...] = ()
+    """Values set by hand for what their function does no more, or not alone."""
 
     @property
     def source(self) -> bytes:
@@ -193,7 +196,15 @@ def annotate(
     after = {source.file: source.after for source in change.sources} if change is not None else {}
     sources = {**before, **after}
     return Annotated(
-        controller, sources, before, change, lock_path, computed, trace, inputs.fingerprint
+        controller,
+        sources,
+        before,
+        change,
+        lock_path,
+        computed,
+        trace,
+        inputs.fingerprint,
+        tuple(moved_uses(outcome.lock.controllers[key])),
     )
 
 

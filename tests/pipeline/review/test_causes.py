@@ -1,5 +1,6 @@
 """Why a value changed: by the user's pins, the digest of its block, and what the lock says."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,9 +8,12 @@ import pytest
 from tests.conftest import RepositoryExample
 from tests.pipeline.review.test_review import lock_of, only, write
 from tracerisk.adder.lock.digest import with_digest
+from tracerisk.adder.lock.lock import OwnedValue
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.pipeline.review.review import review
+from tracerisk.report.diff.sentences import headline
+from tracerisk.report.diff.text import render_diff
 
 TURN = """\
 import moveit_commander
@@ -172,3 +176,37 @@ def test_every_output_of_a_run_that_begins_elsewhere(turn, tmp_path):
     page = Path("turn.html")
     found = turn.run("report", "turn.py", "--against", "HEAD~1", "--output", str(page))
     assert (found.code, "starts with" in turn.read(page.name).decode()) == (0, True)
+
+
+def test_a_value_by_hand_whose_use_another_function_took_over_is_the_cause(
+    repository, annotated_source
+):
+    place = ("done 1", "motor = 1e-8")
+    pick = "motor = 2e-8 x7; gripper := 3e-07 x1 ! letter"
+    before = as_written(annotated_source(pick=("place 1", pick), place=place))
+    after = as_written(
+        annotated_source(pick=("grasp 1", pick), grasp=("place 1", "gripper = 1e-07"), place=place)
+    )
+    owned = OwnedValue("3e-07", "letter", {"c.py": {"pick": "1e-07"}}, "")
+    for text, digest in ((before, "a"), (after, "b")):
+        entry = lock_of({"c.py": text}, "c.py", sources={"c.py": digest})
+        coverage = {"ran": 1, "all": 1, "never_ran": []}
+        verdict = {"kind": "complete", "reasons": [], "coverage": coverage, "acceptances": []}
+        entry = replace(
+            entry, trace={"verdict": verdict}, owned={"c.py": {"pick": {"gripper": owned}}}
+        )
+        write(repository, {"c.py": text}, ("c.py", entry))
+        if text is before:
+            repository.commit()
+    found = review([], repository.folder)
+    (moved,) = only(found).moved
+    assert (
+        "mostly because gripper is set by hand in pick for what it did there when that was written "
+        "(computed 1e-07, now none), and grasp took over a part, which is counted beside it"
+        in headline(found)
+    )
+    assert moved.remedy in " ".join(render_diff(found).split())
+    # A user who has moved the value since hears no more of it.
+    mended = after.replace("= 1e-07", ":= 3e-07").replace(":= 3e-07 ", ":= 1e-09 ")
+    repository.write("c.py", mended)
+    assert only(review([], repository.folder)).moved == ()

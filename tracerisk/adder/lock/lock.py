@@ -35,7 +35,8 @@ VERSION = 2
 FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
 COMPONENT_KEYS = {kind.key: kind for kind in (*COMPONENT_KINDS, FAILURES)}
 CONTROLLER_KEYS = (
-    *("behind", "blocks", "digest", "fingerprint", "inputs", "kept", "others", "previous", "trace"),
+    *("behind", "blocks", "digest", "fingerprint", "inputs", "kept", "others", "owned"),
+    *("previous", "trace"),
 )
 
 
@@ -132,6 +133,31 @@ Kept = Mapping[str, Mapping[str, Mapping[str, str]]]
 """The text of a computed probability, by source, function and component."""
 
 
+Uses = Mapping[str, Mapping[str, str]]
+"""The text of a computed probability, by source and function: what one component does there."""
+
+
+class OwnedValue(NamedTuple):
+    """A figure that a user set, with what it was set for."""
+
+    value: str
+    """The text of the value, or `omit`."""
+    reason: str
+    """The user's reason, in one line; empty for none."""
+    uses: Uses
+    """What the component did in all functions when the value was written."""
+    data: str
+    """The digest of the component's hardware data by which `uses` was computed."""
+
+    def is_of(self, value: str, reason: str) -> bool:
+        """Whether it is what a block states, and not an earlier value or reason."""
+        return (self.value, self.reason) == (value, reason)
+
+
+Owned = Mapping[str, Mapping[str, Mapping[str, OwnedValue]]]
+"""The figures that users set, by source, function and component."""
+
+
 class Behind(NamedTuple):
     """Digests of what stands behind computed values: where they are the same, only noise differs.
 
@@ -169,6 +195,8 @@ class ControllerLock:
     """What the values in the blocks rest on."""
     kept: Kept = field(default_factory=dict)
     """What was computed where the blocks keep a value within the tolerance of it."""
+    owned: Owned = field(default_factory=dict)
+    """What the values that users set were set for."""
 
     @property
     def is_settled(self) -> bool:
@@ -260,6 +288,14 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
             file: {name: dict(row) for name, row in held.items()}
             for file, held in entry.kept.items()
         }
+    if entry.owned:
+        data["owned"] = {
+            file: {
+                name: {component: owned._asdict() for component, owned in row.items()}
+                for name, row in functions.items()
+            }
+            for file, functions in entry.owned.items()
+        }
     if entry.others:
         data["others"] = [_sources_data(other) for other in entry.others]
     # An entry that a merge has mixed stays so until it is written anew.
@@ -276,7 +312,7 @@ def data_digest(data: Mapping[str, Any]) -> str:
     depended_on = dict(inputs) if isinstance(inputs, Mapping) else {}
     depended_on.pop("given", None)  # only says how the `settings` were passed
     kept = [data.get("blocks"), data.get("fingerprint"), depended_on]
-    kept += [data[key] for key in ("behind", "kept") if key in data]
+    kept += [data[key] for key in ("behind", "kept", "owned") if key in data]
     trace = data.get("trace")
     if isinstance(trace, Mapping) and "digest" in trace:  # locks of earlier versions have none
         kept.append([trace["digest"], trace.get("verdict")])

@@ -20,6 +20,7 @@ from tracerisk.adder.lock.lock import (
     ControllerLock,
     Lock,
     LockError,
+    OwnedValue,
     Written,
     WrittenBlock,
     WrittenComponent,
@@ -177,6 +178,7 @@ class _Reader:
             others=tuple(self._sources(other, f"{path}: others") for other in others),
             behind=self._behind(entry.get("behind"), f"{path}: behind"),
             kept=self._kept(entry.get("kept", {}), f"{path}: kept"),
+            owned=self._owned(entry.get("owned", {}), f"{path}: owned"),
             is_mixed=self._has_digests and digest != data_digest(entry),
         )
 
@@ -201,6 +203,29 @@ class _Reader:
                 kinds = dict.fromkeys(self._mapping(texts, place), PROBABILITY)
                 kept[file][name] = self._values(texts, kinds, place)
         return kept
+
+    def _owned(self, value: Any, where: str) -> dict[str, dict[str, dict[str, OwnedValue]]]:
+        owned: dict[str, dict[str, dict[str, OwnedValue]]] = {}
+        for file, functions in self._mapping(value, where).items():
+            owned[file] = {}
+            for name, row in self._mapping(functions, f"{where}: {file}").items():
+                place = f"{where}: {file}: {name}"
+                owned[file][name] = {
+                    component: self._owned_value(held, f"{place}: {component}")
+                    for component, held in self._mapping(row, place).items()
+                }
+        return owned
+
+    def _owned_value(self, value: Any, where: str) -> OwnedValue:
+        entry = self._mapping(value, where)
+        self._known(entry, OwnedValue._fields, where)
+        texts = [str(entry.get(key, "")) for key in ("value", "reason", "data")]
+        uses: dict[str, dict[str, str]] = {}
+        for file, row in self._mapping(entry.get("uses"), f"{where}: uses").items():
+            place = f"{where}: {file}"
+            kinds = dict.fromkeys(self._mapping(row, place), PROBABILITY)
+            uses[file] = self._values(row, kinds, place)
+        return OwnedValue(texts[0], texts[1], uses, texts[2])
 
     def _sources(self, value: Any, where: str) -> dict[str, dict[str, WrittenBlock]]:
         return {

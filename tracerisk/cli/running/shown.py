@@ -29,6 +29,7 @@ from tracerisk.cli.shared.run_report import (
     finding_lines,
     headline,
     note_draft,
+    note_moved,
     object_lines,
     print_failure,
     trace_as_typed,
@@ -67,6 +68,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     assessed = done.assessed
     trace, annotated, assessment = assessed.trace, assessed.annotated, assessed.assessment
     note_draft(trace, quiet=options.quiet)
+    note_moved(annotated.moved, options.controller, quiet=options.quiet)
     risks = {"mission failure": assessment.mission.failure_probability}
     code = max(
         verdict_exit(trace.verdict),

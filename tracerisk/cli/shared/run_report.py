@@ -22,6 +22,7 @@ from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks
+    from tracerisk.adder.merge.owned import MovedUse
 
 _SHOWN_S = 0.005  # less is printed as 0.00
 _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
@@ -36,6 +37,12 @@ def note_draft(trace: Trace, *, quiet: bool) -> None:
     """Warn on standard error that nobody has confirmed what a run depended on."""
     if trace.drafted:
         note(f"tracerisk: drafted: {trace.drafted}", quiet=quiet)
+
+
+def note_moved(moved: Iterable[MovedUse], controller: Path | str, *, quiet: bool) -> None:
+    """Warn on standard error of values set by hand for what their function does no more."""
+    for one in moved:
+        note(f"{controller}: moved: {one.message}; {one.remedy}", quiet=quiet)
 
 
 def headline(trace: Trace) -> str:

@@ -14,6 +14,7 @@ from tracerisk.adder.blocks.values import has_pins
 from tracerisk.adder.lock.digest import is_as_written
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
+from tracerisk.adder.merge.owned import moved_in
 from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -124,6 +125,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         ),
         *_unjustified(settings, sources),
         *_unequal(entry, sources),
+        *_moved(entry, sources),
     ]
     if was is not None:
         message = f"{LOCK_NAME} knows this controller as {was}"
@@ -283,6 +285,19 @@ def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterabl
             for redundancy in unfounded_redundancies(placed.block, instances):
                 place = redundancy.location or Location(source.shown, placed.first_line)
                 yield CheckFinding("unequal", redundancy.message, place, redundancy.path)
+
+
+def _moved(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
+    """Yield the values set by hand for what their functions do no more, or not alone."""
+    blocks = {
+        FunctionRef(source.file, placed.function): placed.block
+        for source in sources
+        for placed in source.placed
+    }
+    shown = {source.file: source.shown for source in sources}
+    for moved, component in moved_in(entry, blocks):
+        place = component.location or Location(shown[moved.ref.file])
+        yield CheckFinding("moved", f"{moved.message}; {moved.remedy}", place, moved.path)
 
 
 def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict | None:

@@ -18,6 +18,7 @@ FindingKind = Literal[
     "over_threshold",
     "unjustified",
     "unequal",
+    "moved",
     "unknown",
     "gone",
     "unsolvable",
@@ -32,7 +33,8 @@ FindingKind = Literal[
 """Why blocks are not to be trusted: what they depend on has changed; a user changed a value
 that is the tool's; it is unknown who changed one; a block is gone; its function is gone or
 renamed; a mission's failure probability is above `max_failure_probability`; a value is set by
-hand without a reason; a redundancy is set by hand over units that differed in the last run; the
+hand without a reason; a redundancy is set by hand over units that differed in the last run; a
+value is set by hand for what its function does no more, or not alone; the
 lock knows nothing; the lock knows a controller that is gone or renamed; the blocks make no model
 that has a solution; in the last run something touched that should not, and `fail_on` says that
 this is to fail; the last run went wrong, did not come to an end, or rests on needs that nothing

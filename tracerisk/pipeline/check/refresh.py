@@ -9,6 +9,7 @@ from typing import Literal
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.owned import MovedUse, moved_uses
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.verdict import Verdict
 from tracerisk.config import SANDBOX_SETTINGS, SandboxMode
@@ -47,6 +48,14 @@ class Refreshed:
     """The verdict of the run behind the blocks; `None` where none is known."""
     lock: Lock | None = None
     """The lock that remembers a run whose blocks are not written; `None` for all others."""
+
+    unwritten_moved: tuple[MovedUse, ...] = ()
+    """Those of `moved` where there is nothing to write."""
+
+    @property
+    def moved(self) -> tuple[MovedUse, ...]:
+        """The values set by hand for what their function does no more, or not alone."""
+        return self.unwritten_moved if self.annotated is None else self.annotated.moved
 
     @property
     def is_changed(self) -> bool:
@@ -91,7 +100,9 @@ def refresh_controller(
         kinds = {finding.kind for finding in checked.findings}
         if is_settled and not kinds & MENDED_BY_REFRESH:
             text = "nothing that it depends on has changed"
-            return Refreshed("fresh", text, verdict=checked.verdict)
+            left = {finding.subject for finding in checked.findings if finding.kind == "moved"}
+            moved = tuple(one for one in moved_uses(entry) if one.path in left)
+            return Refreshed("fresh", text, verdict=checked.verdict, unwritten_moved=moved)
         reasons = stale_reasons(recorded, controller, settings)
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)

@@ -19,6 +19,7 @@ _REMEDIES: dict[FindingKind, str] = {
     "over_threshold": "`tracerisk solve {file}` lists the components that it comes from",
     "unjustified": "write `! why` behind it",
     "unequal": "then `{refresh}`",
+    "moved": "then `{refresh}`",
     "unknown": "`{begin}`",
     "gone": "`{refresh}`",
     "unsolvable": "mend the block, or `{refresh} --discard-edits`",

@@ -49,6 +49,7 @@ _RULES: dict[FindingKind, str] = {
     "over_threshold": "over-threshold",
     "unjustified": "unjustified-pin",
     "unequal": "unequal-units",
+    "moved": "moved-use",
     "unknown": "unknown-blocks",
     "gone": "unknown-blocks",
     "unsolvable": "unreadable",

@@ -38,6 +38,7 @@ from tracerisk.pipeline.review.renamed_functions import (
 )
 from tracerisk.pipeline.review.run_changes import (
     evidence_changes,
+    newly_moved,
     not_asked,
     outcome_changes,
     outcome_gaps,
@@ -276,6 +277,7 @@ def difference(
         without_step=without,
         asked_otherwise=asked[1],
         asked_newly=asked[2],
+        moved=newly_moved(controller, functions),
     )
     # Where a run went wrong, no cause of a difference is one.
     return diff if diff.is_comparable else replace(diff, causes=())

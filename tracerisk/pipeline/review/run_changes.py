@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from tracerisk.adder.merge.owned import MovedUse, moved_in, moved_uses
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
 from tracerisk.pipeline.review.controllers import ControllerVersion, ReviewedController
+from tracerisk.pipeline.review.renamed_functions import FunctionSource
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import (
     Touches,
@@ -48,6 +51,25 @@ def run_changes(
         return ()
     old = {} if before.entry is None else before.entry.trace
     return tuple(_new(old, after.entry.trace, renamed))
+
+
+def newly_moved(
+    controller: ReviewedController, functions: Mapping[str, FunctionSource]
+) -> tuple[MovedUse, ...]:
+    """Return the values set by hand that only in the later version are not for what is done there.
+
+    `functions` are those of the later version.
+    """
+    before, after = controller.before, controller.after
+    if after.entry is None or not after.entry.owned:
+        return ()
+    blocks = {
+        FunctionRef(os.path.relpath(one.file, after.folder), QualifiedName(one.name)): one.block
+        for one in functions.values()
+    }
+    known = {(one.path, one.took) for one in moved_uses(before.entry)} if before.entry else set()
+    moved = (one for one, _ in moved_in(after.entry, blocks))
+    return tuple(one for one in moved if (one.path, one.took) not in known)
 
 
 def evidence_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import posixpath
 from dataclasses import dataclass
 
+from tracerisk.adder.merge.owned import MovedUse
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.errors import Location
 from tracerisk.instrument.source.answers.changed_checks import ChangedCheck
@@ -88,6 +89,8 @@ class RiskDiff:
     """What `success` of the scenario newly asks, one sentence each."""
     without_step: tuple[str, ...] = ()
     """Functions with a block of the earlier version that are still there, and have none now."""
+    moved: tuple[MovedUse, ...] = ()
+    """Values set by hand that are newly not for what their functions do, or not for it alone."""
     success_place: Location | None = None
     """Where the later version declares `success`; `None` unless the scenarios differ."""
 
@@ -206,7 +209,7 @@ class RiskDiff:
         """Return what `Review.is_worth_telling` says, for one controller."""
         if self.before is None or self.after is None or self.pins:
             return True
-        if self.of_run or self.of_comparison or self.of_evidence:
+        if self.moved or self.of_run or self.of_comparison or self.of_evidence:
             return True
         if self.asked_less or self.asked_otherwise or self.asked_newly or self.checks:
             return True

@@ -166,6 +166,13 @@ RULES: tuple[Rule, ...] = (
         "hand as well.",
     ),
     Rule(
+        "moved-use",
+        "warning",
+        "A value is set by hand for what its function does no more, or not alone.",
+        "The function was split, merged or changed since the value was written, so that a use "
+        "may count twice or not at all. Move the value, or write what holds now with a reason.",
+    ),
+    Rule(
         "unexpected-contact",
         "error",
         "The arm, or what it holds, touched something that it should not.",

@@ -178,6 +178,9 @@ def _main_cause(diff: RiskDiff) -> str:
     if first is None:
         return ""
     cause, share = first
+    moved = next((one for one in diff.moved if one.is_of(cause.component, cause.functions)), None)
+    if moved is not None:
+        return f", mostly because {moved.message}"
     text = f", mostly through {cause.summary}{_because(cause)}"
     against = next((cause for cause, share in parts if share <= -NOISE), None)
     if against is not None:

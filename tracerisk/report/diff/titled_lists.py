@@ -21,6 +21,9 @@ from tracerisk.report.diff.wording import (
 OF_RUN = "What the run showed that it did not before"
 
 
+OF_MOVED = "Values set by hand for what their function does no more, or not alone"
+
+
 OF_COMPARISON = "How far the outcomes of the two runs are compared"
 
 
@@ -190,6 +193,7 @@ def above_figures(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]
     """Return what a reviewer must see before any figure, with the title of each list."""
     pairs = [
         *_of_missions(diff),
+        (OF_MOVED, [f"{one.message}; {one.remedy}" for one in diff.moved]),
         (OF_COMPARISON, list(diff.of_comparison)),
         (OF_RUN, list(diff.of_run)),
         (OF_EVIDENCE, list(diff.of_evidence)),
