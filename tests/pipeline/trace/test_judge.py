@@ -262,6 +262,43 @@ def test_a_second_try_at_the_same_place_clears_a_grasp_on_nothing():
     assert codes(recorded(commands=commands, has_objects=True)) == []
 
 
+def cycle(start_s: float, *grips: IssuedCommand) -> tuple[IssuedCommand, ...]:
+    """Open, move, the commands to the gripper, move, and let go by a call of its own."""
+    again = [replace(each, issue_s=start_s + 2.0 + rank) for rank, each in enumerate(grips)]
+    let_go = grip(start_s + 9.0, "opens", path=("release",))
+    return grip(start_s, "opens"), move(start_s + 1.0), *again, move(start_s + 8.0), let_go
+
+
+CLOSE = grip(0.0, "closes", goal=(0.024,), posture=(1.0,))
+CARRIED = cycle(0.0, held(grip(0.0, "closes", goal=(0.024,))))
+ABORTED = replace(CLOSE, end="aborted")
+
+
+def test_a_retry_that_opens_a_gripper_which_closed_on_nothing_is_no_success():
+    opened = replace(CLOSE, grip="opens")
+    run = recorded(commands=(*CARRIED, *cycle(20.0, ABORTED, opened)), has_objects=True)
+    assert codes(run) == ["command-aborted", "grasped-nothing"]
+    # Where there is nothing to grasp, nothing is held whatever a controller does.
+    assert codes(recorded(commands=cycle(20.0, ABORTED, opened))) == []
+
+
+def test_a_gripper_that_opens_on_nothing_and_is_let_go_as_if_it_held_is_a_fault():
+    opened = grip(0.0, "opens", path=("reopen",))
+    commands = (*CARRIED, *cycle(20.0, CLOSE, opened))
+    assert codes(recorded(commands=commands, has_objects=True)) == ["grasped-nothing"]
+    # It may be open already when it is to let go.
+    idle = (*commands[:-1], replace(commands[-1], grip=None))
+    assert codes(recorded(commands=idle, has_objects=True)) == ["grasped-nothing"]
+
+
+def test_a_controller_that_opens_on_nothing_and_begins_anew_is_not_at_fault():
+    opened = grip(0.0, "opens", path=("reopen",))
+    turned_back = cycle(20.0, CLOSE, opened)[:-1]
+    later = cycle(40.0, held(grip(0.0, "closes", goal=(0.024,), posture=(2.0,))))
+    run = recorded(commands=(*CARRIED, *turned_back, *later), has_objects=True)
+    assert codes(run) == []
+
+
 def test_a_gripper_that_closes_and_opens_on_the_spot_is_no_grasp():
     commands = (grip(0.0, "closes"), grip(1.0, "opens"), move(2.0))
     assert codes(recorded(commands=commands, has_objects=True)) == []

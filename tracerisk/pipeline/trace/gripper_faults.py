@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.recorded_run import IssuedCommand, RecordedRun
 from tracerisk.trace import EndCause
 
+if TYPE_CHECKING:
+    from tracerisk.instrument.marks.call_log import Site
+
+_Path: TypeAlias = "tuple[tuple[FunctionRef, Site], ...]"
 _BY_ITSELF: frozenset[EndCause] = frozenset({"ended", "quiescent", "idle"})
 """How a controller comes to its end with nothing more to do."""
 
@@ -31,10 +37,12 @@ def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Ite
     something where the same call did so at another time in the run; or, in a run that never
     holds anything although the user gave it something to grasp, where the arm had moved with
     the gripper open. The controller went on as if it held where the arm then moves and the gripper
-    opens.
+    opens, or is told to by a call that let go of something before: it may have opened already,
+    where it closed on nothing.
     """
     closing = [issued_command for issued_command in commands if issued_command.grip == "closes"]
     held_at = {issued_command.path for issued_command in closing if issued_command.holds}
+    releases = set(_releases(commands))
     for number, command in enumerate(commands):
         if command.grip != "closes" or command.holds or command.end_s is None:
             continue
@@ -50,7 +58,7 @@ def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Ite
             continue
         is_grasp = command.path in held_at if held_at else _is_approached(commands, number)
         if is_grasp:
-            is_fault = bool(held_at or has_objects) and _is_carried_on(commands, number)
+            is_fault = bool(held_at or has_objects) and _is_carried_on(commands, number, releases)
             yield EmptyGrasp(command, is_fault)
 
 
@@ -59,13 +67,37 @@ def closed_on_nothing(command: IssuedCommand) -> str:
     return f"{command.gripper} closed on nothing {command.place}".rstrip()
 
 
-def _is_carried_on(commands: Sequence[IssuedCommand], number: int) -> bool:
-    """Return whether the arm moves after a command, and the gripper then opens."""
-    has_moved = False
+def _releases(commands: Sequence[IssuedCommand]) -> Iterator[_Path]:
+    """Yield by which calls a gripper opened that held something."""
+    holding: set[str] = set()
+    for command in commands:
+        if command.gripper in holding and command.grip == "opens":
+            holding.discard(command.gripper)
+            yield command.path
+        if command.holds:
+            holding.add(command.gripper)
+
+
+def _is_carried_on(
+    commands: Sequence[IssuedCommand], number: int, releases: Collection[_Path]
+) -> bool:
+    """Return whether the arm moves after an empty grasp, and the gripper is then to let go.
+
+    The same call again, on the spot, is a retry, and opens a gripper that closed past its goal.
+    What opens it there otherwise may be how the controller turns back; then only a call that is a
+    release of things held says that it did not.
+    """
+    grasp = commands[number]
+    has_moved = has_opened = False
     for command in commands[number + 1 :]:
-        if command.gripper == commands[number].gripper:
-            return has_moved and command.grip == "opens"
-        has_moved |= not command.gripper
+        if command.gripper != grasp.gripper:
+            has_moved |= not command.gripper
+        elif has_moved and command.path in releases:
+            return True
+        elif command.grip == "closes" or (has_moved and not has_opened):
+            return command.grip == "opens"
+        elif command.path != grasp.path:
+            has_opened = True
     return False
 
 

@@ -187,7 +187,7 @@ def _command_reason(
 def _of_commands(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were aborted and of which no retry succeeded."""
     for number, command in enumerate(run.commands):
-        if command.end != "aborted" or retry_of(command, run.commands[number + 1 :]):
+        if command.end != "aborted" or retry_of(run, number):
             continue
         finding = _finding_of(command, run.findings)
         words = (
@@ -203,7 +203,7 @@ def _of_unfinished(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were replaced or cut on their way, and did not succeed later either."""
     for result in unfinished(run):
         command = result.command
-        if not retry_of(command, run.commands[run.commands.index(command) + 1 :]):
+        if not retry_of(run, run.commands.index(command)):
             name = ", ".join(command.elements)
             yield replace(_command_reason(result.code, result.words, command, name), by=result.by)
 
@@ -295,7 +295,7 @@ def _settled(run: RecordedRun) -> Iterator[_Span]:
             yield frozenset({finding.function}), finding.time_s, finding.recovered_s
     for number, command in enumerate(run.commands):
         if command.end == "aborted":
-            retry = retry_of(command, run.commands[number + 1 :])
+            retry = retry_of(run, number)
             if retry is not None and retry.end_s is not None:
                 yield frozenset(command.callers), command.issue_s, retry.end_s
 

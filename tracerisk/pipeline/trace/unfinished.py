@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tracerisk.errors import Location
@@ -56,13 +56,21 @@ def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
             yield Unfinished(command, "command-cut", words)
 
 
-def retry_of(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
-    """Return the command of the same kind, function and goal that later succeeded."""
+def retry_of(run: RecordedRun, number: int) -> IssuedCommand | None:
+    """Return the command of the same kind, function and goal that later succeeded.
+
+    A gripper that closed past its goal on nothing opens to reach it: that is no grasp, unless the
+    run has nothing to grasp.
+    """
+    command, later = run.commands[number], run.commands[number + 1 :]
+    is_given = run.has_objects or any(issued_command.holds for issued_command in run.commands)
+    is_vain = is_given and command.grip == "closes" and not command.holds
     return next(
         (
             issued_command
             for issued_command in later
             if issued_command.end == "arrived"
+            and not (is_vain and issued_command.grip == "opens")
             and issued_command.kind == command.kind
             and issued_command.function == command.function
             and issued_command.elements == command.elements
