@@ -1,5 +1,6 @@
 """What a live run of a compiled node depended on, and when its blocks are stale."""
 
+import json
 from types import SimpleNamespace
 
 import pytest
@@ -47,3 +48,46 @@ def test_a_change_of_any_file_of_the_run_makes_blocks_stale(depended, name):
 @pytest.mark.parametrize("name", ["pick.cpp", "place.cpp", "cell.h"])
 def test_comments_of_sources_and_headers_change_no_run(depended, name):
     assert depended(name, "/* a block of another node */ // said\n") == ()
+
+
+NODE = """\
+import actionlib, rospy
+from control_msgs.msg import GripperCommandAction, GripperCommandGoal
+
+rospy.init_node("c")
+hand = actionlib.SimpleActionClient("/franka_gripper/gripper_action", GripperCommandAction)
+hand.wait_for_server()
+goal = GripperCommandGoal()
+goal.command.position = 0.01
+
+
+def close():
+    hand.send_goal_and_wait(goal)
+
+
+close()
+"""
+HARDWARE = """\
+robot: panda
+components:
+  finger: {{probability: {{value: {}, per: minute}}, twin: {{joints: [panda_joint1]}}}}
+"""
+
+
+def test_only_the_hardware_description_of_a_run_counts_and_needs_no_new_run(tmp_path, example_in):
+    example = example_in(tmp_path)
+    example.write("package.xml", "<package><name>one</name></package>")
+    example.write("pyproject.toml", "[tool.tracerisk]\nrobot = 'panda'\nhardware = 'data.yaml'\n")
+    example.write("c.py", NODE)
+    for name in ("data.yaml", "two/figures.yaml"):
+        example.write(name, HARDWARE.format("1e-8"))
+    example.write("two/package.xml", "<package><name>two</name></package>")
+    ran = example.run("run", "c.py", "--no-draft")
+    assert ran.code <= 1, ran.err
+    entry = json.loads(example.read("tracerisk.lock"))["controllers"]["c.py"]
+    assert not {"data.yaml", "two/figures.yaml"} & entry["inputs"]["files"].keys()
+    example.write("two/figures.yaml", HARDWARE.format("3e-8"))
+    assert "stale" not in example.run("check", "c.py").out
+    example.write("data.yaml", HARDWARE.format("2e-8"))
+    assert "data.yaml has changed since" in example.run("check", "c.py").out
+    assert "values recomputed" in example.run("refresh", "c.py").err

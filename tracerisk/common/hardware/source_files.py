@@ -9,7 +9,12 @@ from pathlib import Path, PurePath
 from tracerisk.common.text.bounded import file_bytes, in_folder, is_folder
 from tracerisk.errors import HardwareError, Location
 
+_TOP_KEY = re.compile(rb"^(\w[\w-]*)[ \t]*:", re.MULTILINE)
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
+
+
+TOP_KEYS = frozenset({"components", "robot", "source"})
+"""The keys at the top of a description in YAML."""
 
 
 MAX_FILES = 5_000
@@ -101,3 +106,12 @@ def _read(path: Path) -> bytes:
         return b""
     except OSError as cause:
         raise HardwareError(f"cannot be read: {cause.strerror}", Location(str(path))) from cause
+
+
+def describes_hardware(data: bytes) -> bool:
+    """Return whether a YAML file is a description of hardware, by its keys at the top.
+
+    Failure data decide no run: whoever searches files for what does leaves them out.
+    """
+    keys = {key.decode(errors="replace") for key in _TOP_KEY.findall(data)}
+    return "components" in keys and keys <= TOP_KEYS

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
+from tracerisk.common.hardware.source_files import describes_hardware
 from tracerisk.common.text.bounded import file_bytes, in_folder
 from tracerisk.config import Settings, from_here
 from tracerisk.errors import TraceRiskError
@@ -13,7 +13,6 @@ from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.project import Project
 
 _NAMED = "hardware"  # as `tracerisk init` calls what it writes
-_DESCRIBES = re.compile(rb"^components:", re.MULTILINE)
 
 
 def unread_hardware(project: Project, settings: Settings | None = None) -> tuple[str, ...]:
@@ -47,6 +46,6 @@ def unread_hardware(project: Project, settings: Settings | None = None) -> tuple
 
 def _is_description(path: Path) -> bool:
     try:
-        return _DESCRIBES.search(file_bytes(path)) is not None
+        return describes_hardware(file_bytes(path))
     except (OSError, TraceRiskError):
         return False

@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
 
+from tracerisk.common.hardware.source_files import describes_hardware
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import Parameter, flat, read_parameters
@@ -204,5 +205,6 @@ def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:
                     continue
                 # What cannot be read, or only outside the sandbox, declares nothing.
                 with contextlib.suppress(OSError):
-                    if path.stat().st_size <= _MOST_BYTES and word in file_bytes(path):
+                    data = file_bytes(path) if path.stat().st_size <= _MOST_BYTES else b""
+                    if word in data and not describes_hardware(data):
                         yield path

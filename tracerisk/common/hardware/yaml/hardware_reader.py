@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tracerisk.common.hardware.checks import check_component
 from tracerisk.common.hardware.model import FIGURE_KEYS, Component, Hardware, TwinBinding
+from tracerisk.common.hardware.source_files import TOP_KEYS
 from tracerisk.common.hardware.units import sheet_hint
 from tracerisk.common.hardware.yaml.figures import read_figures, read_time, word_of
 from tracerisk.common.hardware.yaml.redundancy import (
@@ -21,7 +22,6 @@ from tracerisk.errors import HardwareError, Location
 ROBOTS_NUMBER = "*"
 """What `quantity` says where the robot gives how many there are."""
 
-_TOP_KEYS = frozenset({"components", "robot", "source"})
 _COMPONENT_KEYS = (
     frozenset(FIGURE_KEYS)
     | REDUNDANCY_KEYS
@@ -47,7 +47,7 @@ def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
     outside its bounds, a value of the wrong type, or fields that contradict one another.
     """
     top = read_large_yaml(path, HardwareError, shown=shown)
-    top.forbid_unknown(_TOP_KEYS)
+    top.forbid_unknown(TOP_KEYS)
     described = top.map("components")
     components = tuple(
         _component(name, entry, described.key_location(name))
