@@ -6,6 +6,7 @@ description: probabilities are computed from it without running anything again.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -304,9 +305,19 @@ class Trace:
 
     def with_files(self, file_of: Callable[[str], str]) -> Trace:
         """Return the trace with other names of files; `file_of` takes a file, differing ones."""
+        named = file_of(self.controller) if self.controller else ""
         return replace(
             self,
-            controller=file_of(self.controller) if self.controller else "",
+            controller=named,
+            # A command in it is for the shell of who reads it.
+            assumptions=tuple(
+                re.sub(
+                    rf"(`tracerisk \w+ ){re.escape(self.controller)}(?=[ `])",
+                    lambda found: found[1] + named,
+                    text,
+                )
+                for text in self.assumptions
+            ),
             end=replace(self.end, location=with_file(self.end.location, file_of)),
             functions=tuple(
                 replace(function, ref=function.ref.with_file(file_of))

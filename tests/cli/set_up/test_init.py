@@ -90,6 +90,27 @@ def test_the_hook_that_it_prints_for_git_alone_is_the_one_of_the_tutorial(cell):
     assert hook == "#!/bin/sh\nexec tracerisk check\n"
 
 
+def test_in_a_package_below_the_top_hook_and_ci_go_where_git_and_its_tools_look(cell):
+    (cell.folder / "ws/pick").mkdir(parents=True)
+    package = type(cell)(cell.folder / "ws/pick")
+    package.write("package.xml", "<package><name>pick</name></package>")
+    package.write("scripts/pick.py", cell.read("src/pick.py"))
+    outcome = package.run("init", "--robot", "panda", "--yes", "--ci", "github")
+    said = " ".join(outcome.out.split())
+    assert "../../.pre-commit-config.yaml: the hook" in said
+    assert (cell.folder / ".pre-commit-config.yaml").is_file()
+    assert (cell.folder / ".github/workflows/risk.yml").is_file()
+    assert (package.folder / "hardware.yaml").is_file()
+    command = re.search(r"this is the hook: (printf .*)", outcome.out)[1]
+    subprocess.run(command, shell=True, cwd=package.folder, check=True)
+    assert (cell.folder / ".git/hooks/pre-commit").is_file()
+    # Commands are for the shell in which it was called.
+    (cell.folder / ".pre-commit-config.yaml").unlink()
+    said = cell.run("init", "ws/pick", "--yes").out
+    assert "`tracerisk run ws/pick/scripts/pick.py`" in said
+    assert "> .git/hooks/pre-commit" in said
+
+
 @pytest.mark.parametrize(
     ("scenarios", "expected"),
     [

@@ -17,7 +17,7 @@ from tracerisk.cli.shared.output import (
     print_json,
 )
 from tracerisk.cli.shared.progress import progress_bar
-from tracerisk.cli.shared.run_report import note_draft, note_moved
+from tracerisk.cli.shared.run_report import note_draft, note_moved, trace_as_typed
 from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json, verdict_lines
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
             }
         )
         if done.annotated is not None:
-            note_draft(done.annotated.trace, quiet=options.quiet)
+            note_draft(trace_as_typed(done.annotated.trace, path), quiet=options.quiet)
         note_moved(done.moved, path, quiet=options.quiet)
         verdict = as_typed(_verdict(done, options), path)
         is_fine = verdict_exit(verdict) == ExitCode.FINE

@@ -63,10 +63,10 @@ def run(options: argparse.Namespace) -> int:
         trace = _run(options)
     if options.output is not None:
         write_file(options.output, trace_json.dumps(trace))
-    note_draft(trace, quiet=options.quiet)
     typed = trace
     if options.controller is not None:
         typed = trace_as_typed(trace, options.controller)
+    note_draft(typed, quiet=options.quiet)
     code = 0 if trace.is_usable else print_failure(typed)
     code = code or int(verdict_exit(trace.verdict))
     if options.json:

@@ -67,7 +67,8 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     """Print the results of a run, most important first; return the exit code."""
     assessed = done.assessed
     trace, annotated, assessment = assessed.trace, assessed.annotated, assessed.assessment
-    note_draft(trace, quiet=options.quiet)
+    typed = trace_as_typed(trace, options.controller)
+    note_draft(typed, quiet=options.quiet)
     note_moved(annotated.moved, options.controller, quiet=options.quiet)
     risks = {"mission failure": assessment.mission.failure_probability}
     code = max(
@@ -92,7 +93,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
             objects=trace_json.trace_data(trace)["objects"],
             worlds=worlds_json(trace.worlds),
             assessment=assessment_to_json(assessment),
-            assumptions=[*trace.assumptions, *annotated.computed.assumptions],
+            assumptions=[*typed.assumptions, *annotated.computed.assumptions],
             model=model_json.model_data(assessed.model),
             **derivation_json(done.derivation),
             **done.figures.data(annotated.computed.names),
@@ -116,7 +117,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
         if is_brief:
             text = render_brief(assessment, exposures, findings, following, paper(), band)
         else:
-            assumed = (*trace.assumptions, *annotated.computed.assumptions)
+            assumed = (*typed.assumptions, *annotated.computed.assumptions)
             tables = done.figures.tables(terminal_width())
             text = render_assessment(
                 assessment, exposures, findings, assumed, tables, paper(), band, following

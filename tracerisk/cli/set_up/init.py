@@ -14,18 +14,19 @@ from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.common.text.bounded import file_bytes
-from tracerisk.config import BlockForm
+from tracerisk.config import BlockForm, from_here
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.history.merge_driver import install_merge_driver, merge_driver_changes
+from tracerisk.pipeline.history.merge_driver import (
+    hook_path,
+    install_merge_driver,
+    merge_driver_changes,
+)
 from tracerisk.pipeline.start.project_start import HOOK_FILE, project_start
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.start.project_start import ProjectStart
 
-_PLAIN_HOOK = (
-    r"printf '#!/bin/sh\nexec tracerisk check\n' > .git/hooks/pre-commit && "
-    "chmod +x .git/hooks/pre-commit"
-)
+_PLAIN_HOOK = r"printf '#!/bin/sh\nexec tracerisk check\n' > {hook} && chmod +x {hook}"
 _MOST_SHOWN = 10
 _MOST_ASKED = 3
 
@@ -75,22 +76,26 @@ def run(options: argparse.Namespace) -> int:
         show("Nothing was written; `tracerisk init --yes` writes it.")
         return 0
     show(*(f"Next: {lack}" for lack in start.settings_lack))
+    typed = from_here(start.root)
     for name in list(start.asked)[:_MOST_SHOWN]:
-        show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
-    if any(file.path == HOOK_FILE for file in start.files):
+        named = shlex.quote(typed(name))
+        show(f"`tracerisk scenario {named} --write` drafts what the cell has to give it")
+    if any(Path(file.path).name == HOOK_FILE for file in start.files):
+        hook = shlex.quote(typed(hook_path(start.root)))
         show(
             "Next: `pip install pre-commit`, then `pre-commit install`: no hook works before.",
-            f"Without pre-commit, this is the hook: {_PLAIN_HOOK}",
+            f"Without pre-commit, this is the hook: {_PLAIN_HOOK.format(hook=hook)}",
         )
         if sys.prefix != sys.base_prefix:
             show(
                 "Both call `tracerisk`: commit where it is on PATH, here after "
                 f"`source {shlex.quote(sys.prefix)}/bin/activate`."
             )
-    first = start.controllers[0] if start.controllers else "CONTROLLER.py"
-    named = "" if start.robots else " --robot NAME"
+    known = [shlex.quote(typed(name)) for name in start.controllers[:1]]
+    first = known[0] if known else "CONTROLLER.py"
+    named_robot = "" if start.robots else " --robot NAME"
     if not (start.root / LOCK_NAME).exists():
-        ran = f"`tracerisk run {first}{named}`"
+        ran = f"`tracerisk run {first}{named_robot}`"
         show(f"Next: {ran}; read its verdict, commit blocks and {LOCK_NAME}.")
     return 0
 

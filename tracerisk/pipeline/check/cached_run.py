@@ -14,6 +14,7 @@ from tracerisk.common.verdict import INPUT_ASSUMED, MISSION_MISSED
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.check.check import given_options
+from tracerisk.pipeline.check.remedies import as_typed
 from tracerisk.pipeline.freshness.freshness import stale_reasons
 from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
@@ -116,7 +117,7 @@ def check_kept_trace(kept: KeptRun) -> None:
             raise InputError(
                 f"the kept trace of its last run and {LOCK_NAME} differ in the "
                 f"{_WORDS.get(name, name)}: one of the two was changed by hand; "
-                f"`tracerisk run {controller.file}` makes both again",
+                f"`tracerisk run {as_typed(controller.path)}` makes both again",
                 Location(LOCK_NAME),
             )
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.common.text.bounded import file_bytes
-from tracerisk.errors import readable
+from tracerisk.errors import InputError, readable
 from tracerisk.pipeline.history.git import git
 from tracerisk.pipeline.history.repository import Repository
 
@@ -58,6 +58,20 @@ def merge_driver_changes(folder: Path) -> dict[str, str]:
         path = (at_top / ".git/config").as_posix()
         changes[path] = f"by which git merges {LOCK_NAME} in this clone, with tracerisk"
     return changes
+
+
+def hook_path(folder: Path) -> str:
+    """Return where git looks for the hook of a commit, by path from the folder.
+
+    Outside of a repository it is where it will be after `git init` there.
+    """
+    try:
+        with Repository.opened(folder) as repository:
+            told = repository.output("rev-parse", "--git-common-dir")
+            hook = repository.top / os.fsdecode(told).rstrip("\n") / "hooks/pre-commit"
+    except InputError:
+        hook = folder / ".git/hooks/pre-commit"
+    return os.path.relpath(hook.resolve(), folder.resolve())
 
 
 def _attributes(top: Path) -> FileWrite | None:

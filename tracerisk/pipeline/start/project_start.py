@@ -7,7 +7,7 @@ import contextlib
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.common.dependencies import missing_extras
@@ -15,7 +15,7 @@ from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.common.hardware.starting_file import SCHEMA_NAME as HARDWARE_SCHEMA
 from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
 from tracerisk.common.text.bounded import file_bytes, in_folder
-from tracerisk.config import BlockForm, controller_root, is_root
+from tracerisk.config import BlockForm, controller_root, is_root, repository_above
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
 from tracerisk.instrument.source.python_source import parsed
@@ -121,15 +121,20 @@ def project_start(
         if not (root / path).exists():
             words = f"by which editors complete and check {_SUBJECTS[kind]}"
             files.append(StartFile(path, schema_text(kind).encode(), words))
-    if not (root / HOOK_FILE).exists():
+    # pre-commit and the servers of git read only what is at the top of a repository.
+    top = repository_above(root / HOOK_FILE) or root
+    if not (top / HOOK_FILE).exists():
         files.append(
             StartFile(
-                HOOK_FILE,
+                from_root(root.resolve(), top.resolve() / HOOK_FILE),
                 template("pre-commit.yaml"),
                 "the hook: refuses commits with stale risk blocks",
             )
         )
-    files += ci_files(root, ci)
+    files += (
+        replace(file, path=from_root(root.resolve(), top.resolve() / file.path))
+        for file in ci_files(top, ci)
+    )
     asked = _asked(root, controllers)
     return ProjectStart(
         root, controllers, robots, why, assumed, tuple(lacking), asked, tuple(files)

@@ -63,6 +63,11 @@ class ScenarioTopic:
         """What nobody made use of, in words, and its place; None where somebody did."""
         if self._is_heard or self._has_listener():
             return None
+        if not self._sent and self._first_ns is not None:
+            due_s = self._first_ns / 1e9
+            if self._first_ns > self._schedule.now_ns:
+                words = f"the run ended before {self._entry.topic} was due, at {due_s:g} s"
+                return words, self._entry.type_location
         return f"nobody subscribed to topic {self._entry.topic}", self._entry.type_location
 
     @property
