@@ -20,6 +20,8 @@ from tracerisk.common.verdict import Uncovered, Verdict
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import ControllerFailedError, Location, with_file, with_line
 
+NOT_THERE = "which is not there"
+"""What an assumption says of a file that a launch file loads and that does not exist."""
 DRAFTED = "drafted:"
 """What the assumption of a run begins with whose scenario tracerisk has drafted."""
 

@@ -1,10 +1,14 @@
 """`tracerisk scenario`: what it lists, and that what it writes runs as it stands."""
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from tracerisk.cli.authors.scenario import grasp_width_m
+from tracerisk.common.traced.findings import Finding
+from tracerisk.errors import Location
 from tracerisk.pipeline.scenarios.entries import merged
 
 HEAD = """\
@@ -464,6 +468,16 @@ def test_a_topic_for_want_of_which_it_fails(example):
 
 
 @pytest.mark.slow
+def test_a_proposed_object_is_as_wide_as_the_grasp_takes():
+    place = Location("c.py", 7)
+    empty = Finding("nothing_to_grasp", "hand closed on nothing", 1.0, place)
+    words = "the fingers stopped at 0.0000 m; default_grasp_epsilon allows 0.0190 to 0.0290 m"
+    aborted = Finding("execution_failure", words, 2.0, place)
+    assert grasp_width_m([empty, aborted], empty) == pytest.approx(0.024)
+    elsewhere = replace(aborted, location=Location("c.py", 9))
+    assert grasp_width_m([empty, elsewhere], empty) == 0.04
+
+
 def test_what_a_node_beside_gives_in_vain_is_drafted(example):
     example.write(
         "finder.py",

@@ -63,6 +63,22 @@ def test_the_one_launch_file_that_starts_it_is_taken_and_reported(workspace, giv
     )
 
 
+def test_a_file_that_it_loads_and_that_is_not_there_is_named_with_the_place(workspace, given):
+    workspace.write("scripts/pick.py", ROS1)
+    load = '<rosparam command="load" file="$(find arm_task)/config/poses.yaml"/>'
+    workspace.write("launch/a.launch", NODE1.format("p", load))
+    choice = workspace.choose("scripts/pick.py")
+    assert (
+        "launch: launch/a.launch:1 loads config/poses.yaml, which is not there" in choice.notes[1]
+    )
+    # When it comes, the run is another one.
+    assert "config/poses.yaml" in choice.setup.sources
+    workspace.write("config/poses.yaml", "speed: 0.5\n")
+    choice = workspace.choose("scripts/pick.py")
+    assert given(choice) == {"/p/speed": 0.5}
+    assert len(choice.notes) == 1
+
+
 def test_no_launch_leaves_it_as_it_is(workspace):
     workspace.write("scripts/pick.py", ROS1)
     workspace.write("launch/a.launch", NODE1.format("p", SPEED1.format(0.5)))

@@ -216,6 +216,15 @@ def test_one_may_not_name_a_launch_file_and_want_none(example):
     assert "not allowed with argument" in outcome.err
 
 
+def test_a_file_of_parameters_that_is_not_there_is_named_by_a_run_that_fails(ros1):
+    load = '<rosparam command="load" file="$(find arm_task)/config/angles.yaml"/>'
+    node = f'<node pkg="arm_task" type="turn.py" name="turner">{load}</node>'
+    ros1.write("launch/turn.launch", f"<launch>{node}</launch>")
+    outcome = ros1.run("run", "scripts/turn.py", "--no-draft")
+    assert outcome.code == 4
+    assert "launch/turn.launch:1 loads config/angles.yaml, which is not there" in outcome.err
+
+
 def test_doctor_reports_the_launch_file_before_a_run(ros1):
     outcome = ros1.run("doctor", "scripts/turn.py", "--robot", "panda")
     assert (

@@ -501,6 +501,7 @@ def test_what_nobody_made_use_of_is_a_finding(example):
         "publish:\n"
         "  - {topic: /angle, type: std_msgs/Float64, message: 0.1}\n"
         "  - {topic: /angel, type: std_msgs/Float64, rate: 5}\n"
+        "  - {topic: /angle, type: std_msgs/Float64, message: 0.2, at: 250, rate: 1}\n"
         "services:\n  - {name: /detect, type: std_srvs/Trigger}\n"
         "actions:\n  - {name: /drive, type: move_base_msgs/MoveBase}\n"
         "parameters:\n  /cell/speed: 0.5\n  ~depth: 0.1\n  gains: {p: 1.0}\n",
@@ -513,11 +514,12 @@ def test_what_nobody_made_use_of_is_a_finding(example):
     }
     assert reported == {
         ("in the scenario, but nobody subscribed to topic /angel", 3),
-        ("in the scenario, but nobody called service /detect", 5),
-        ("in the scenario, but nobody sent a goal to action server /drive", 7),
-        ("in the scenario, but nobody asked for parameter /cell/speed", 9),
-        ("in the scenario, but nobody asked for parameter ~depth", 10),
-        ("in the scenario, but nobody asked for parameter gains", 11),
+        ("in the scenario, but the run ended before /angle was due, at 250 s", 4),
+        ("in the scenario, but nobody called service /detect", 6),
+        ("in the scenario, but nobody sent a goal to action server /drive", 8),
+        ("in the scenario, but nobody asked for parameter /cell/speed", 10),
+        ("in the scenario, but nobody asked for parameter ~depth", 11),
+        ("in the scenario, but nobody asked for parameter gains", 12),
     }
     assert trace["verdict"]["kind"] == "partial"
     assert {each["code"] for each in trace["verdict"]["reasons"]} == {"unused-input"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from tracerisk.cli.shared.values import positive
 from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.common.text.plain_data import picked
-from tracerisk.common.traced.findings import NOTHING_TO_GRASP
+from tracerisk.common.traced.findings import NOTHING_TO_GRASP, Finding
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
@@ -32,6 +32,9 @@ _SEARCH_S = 60.0
 _ENDING = ".scenario.yaml"
 _PLACE = re.compile(r"at \((-?[\d.]+), (-?[\d.]+), (-?[\d.]+)\) m")
 """Where a gripper closed on nothing, in the words of the finding."""
+_ALLOWED = re.compile(r"allows (-?[\d.]+) to (-?[\d.]+) m")
+"""Which widths a grasp takes, in the words of why it was aborted."""
+_WIDTH_M = 0.04  # of a drafted thing, where nothing says more [m]
 _TOP_M = 0.02  # how far a drafted thing reaches above the middle between the pads [m]
 
 
@@ -228,10 +231,25 @@ def _grasps(draft: ScenarioDraft, file_of: Callable[[str], str]) -> Iterator[str
         if z > 0.0:
             # It stands on the floor, and its top is a little above the middle between the pads.
             height = z + _TOP_M
-            box, xyz = f"[0.04, 0.04, {height:.3f}]", f"[{x:.3f}, {y:.3f}, {height / 2:.4g}]"
+            width = grasp_width_m(draft.trace.findings, finding) if draft.trace else _WIDTH_M
+            box, xyz = (
+                f"[{width:.3g}, {width:.3g}, {height:.3f}]",
+                f"[{x:.3f}, {y:.3f}, {height / 2:.4g}]",
+            )
             yield f"    - {{name: part, box: {box}, xyz: {xyz}, mass: 0.1}}  # assumed: its size"
         else:
             yield "    below the floor: the poses may be of another point than in your cell"
+
+
+def grasp_width_m(findings: Sequence[Finding], grasp: Finding) -> float:
+    """Return a width that a grasp on nothing would take: what its goal allows, if that is said."""
+    allowed = (
+        _ALLOWED.search(finding.message)
+        for finding in findings
+        if finding.location == grasp.location
+    )
+    least, most = next((map(float, found.groups()) for found in allowed if found), (0.0, 0.0))
+    return (least + most) / 2 or _WIDTH_M
 
 
 def _print_asked(asked: tuple[Missed, ...], where: str, file_of: Callable[[str], str]) -> None:

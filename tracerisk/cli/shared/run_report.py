@@ -18,7 +18,7 @@ from tracerisk.common.traced.elements import Element
 from tracerisk.common.traced.findings import NOTES, Finding
 from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.trace import Trace
+from tracerisk.trace import NOT_THERE, Trace
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks
@@ -175,6 +175,9 @@ def print_failure(trace: Trace) -> int:
     """Return how a run ended badly and what it had shown so far; return the exit code."""
     place = "" if trace.end.location is None else f"{trace.end.location}: "
     note(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]")
+    for line in trace.assumptions:
+        if NOT_THERE in line:
+            note(line)
     if trace.verdict is not None:
         note(f"verdict: {trace.verdict.kind}")
     seconds = 0.0 if trace.end.simulated_s is None else trace.end.simulated_s

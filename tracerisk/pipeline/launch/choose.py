@@ -31,6 +31,7 @@ from tracerisk.pipeline.launch_files.records import (
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import Workspace, workspace_of
+from tracerisk.trace import NOT_THERE
 
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
@@ -249,7 +250,7 @@ def _setup(
     node = best.node
     parameters = best.parameters
     given = (parameters, node.arguments, node.ros_arguments, node.remaps, node.namespace)
-    if not any((*given, node.environment, _left_out(best, asked))):
+    if not any((*given, node.environment, _left_out(best, asked), best.reading.missing)):
         return None
     file = shown([best.file.path], root)[0]
     readme = [best.file.said_in.rpartition(":")[0]] if best.file.said_in else []
@@ -297,6 +298,14 @@ def _notes(
             more = f" and {len(files) - _MOST_LISTED} more" if len(files) > _MOST_LISTED else ""
             choose = "" if is_same else "; --launch FILE takes another"
             lines.append(f"launch: {listed}{more} would give {which}{choose}")
+    for place, path in best.reading.missing:
+        file, _, line = place.partition(":")
+        at = f"{setup.file}:{line}" if Path(file).name == best.file.path.name else place
+        lines.append(
+            f"launch: {at} loads {shown([path], root)[0]}, {NOT_THERE}: its "
+            "parameters are missing, and roslaunch starts nothing without it; restore it, or "
+            "--launch FILE takes another launch file"
+        )
     if best.started > 1:
         lines.append(f"launch: {setup.file} starts it {best.started} times; one of them is run")
     for name, reason in _left_out(best, asked)[:_MOST_LISTED]:

@@ -71,6 +71,8 @@ class LaunchReading:
     """What could not be read, in words."""
     robots: tuple[RobotSource, ...] = ()
     """The robot description files that it names."""
+    missing: tuple[tuple[str, Path], ...] = ()
+    """The places that load a file which is not there, with the file: roslaunch starts nothing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,6 +82,7 @@ def read_roslaunch(
         tuple(reader.sources),
         tuple(reader.problems),
         robots_read(reader.robots),
+        tuple(reader.missing),
     )
 
 
@@ -93,6 +94,7 @@ class _Reader:
         self.sources: list[Path] = []
         self.problems: list[str] = []
         self.robots: list[RobotSource] = []
+        self.missing: list[tuple[str, Path]] = []
         self._packages = packages
         self._seen = 0
         self._files = 0
@@ -256,8 +258,11 @@ class _Reader:
         try:
             if "file" in attributes:
                 path = Path(texts.of(attributes["file"]))
-                text = read_text(path)
+                # A run depends on a file that is not there, too: it may come.
                 self.sources.append(path)
+                if not path.exists():
+                    self.missing.append((str(element.location), path))
+                text = read_text(path)
             else:
                 text = element.text
             if attributes.get("subst_value", "").lower() in ("true", "1"):

@@ -181,8 +181,9 @@ class RecordedRun:
     """What `success` declares and the run did not bring about."""
     assumed: tuple[tuple[str, str], ...] = ()
     """What of the robot is assumed (the arm, a group, a gripper), each with the words for it."""
-    unconfirmed: tuple[tuple[str, str, Location], ...] = ()
-    """Entries of the scenario that nobody confirmed: name, words and place."""
+    unconfirmed: tuple[tuple[str, str, Location | None], ...] = ()
+    """Entries of the scenario that nobody confirmed, and what a launch file loads that is not
+    there: name, words and place."""
     has_objects: bool = False
     """Whether the user gave the run something that can be grasped."""
     is_duration_given: bool = False

@@ -33,11 +33,11 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
     UnmetNeed,
 )
-from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
+from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, LAUNCH, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.trace import EndCause, SuccessCondition, Visit
+from tracerisk.trace import NOT_THERE, EndCause, SuccessCondition, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -113,7 +113,10 @@ def run_verdict(
         falls=falls(samples, contacts) if samples is not None else (),
         mission=mission,
         assumed=tuple(_assumed(ran.robot, recording)),
-        unconfirmed=tuple(_unconfirmed(given["unconfirmed"], unused, controller)),
+        unconfirmed=(
+            *_unconfirmed(given["unconfirmed"], unused, controller),
+            *_without_file(recording),
+        ),
         has_objects=bool(named),
         is_duration_given=settings.duration_s is not None,
         is_speed_known=ran.robot.name != GENERIC,
@@ -144,6 +147,14 @@ def _noted_grasps(run: RecordedRun) -> Iterator[Finding]:
                 command.function,
                 command.gripper,
             )
+
+
+def _without_file(recording: Recording) -> Iterator[tuple[str, str, Location | None]]:
+    """Yield which files the launch file loads that are not there: what they give is not in it."""
+    for line in (recording.note(LAUNCH) or {"notes": ()})["notes"]:
+        if NOT_THERE in line:
+            words = line.removeprefix("launch: ").partition(";")[0]
+            yield words.partition(" loads ")[2].partition(",")[0], words, None
 
 
 def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
