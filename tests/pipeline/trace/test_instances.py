@@ -75,3 +75,19 @@ def test_a_redundancy_by_hand_over_motors_that_differ_stops_annotate_and_check(a
     kinds = [each["kind"] for each in json.loads(checked.out)["findings"]]
     assert checked.code == 1
     assert "unequal" in kinds
+
+
+def test_a_redundancy_by_hand_is_unfounded_before_any_refresh_wrote_what_is_computed(annotated):
+    example, _ = annotated
+    source = example.read("pick_and_place.py").decode()
+    example.write("pick_and_place.py", source.replace("redundancy = false", "redundancy := true"))
+    checked = example.run("check", "pick_and_place.py", "--json")
+    found = [each for each in json.loads(checked.out)["findings"] if each["kind"] == "unequal"]
+    assert checked.code == 1
+    assert "function 'init', component 'electric_motor'" in found[0]["message"]
+    assert all("holds only with 'redundancy = false'" in each["message"] for each in found)
+    refreshed = example.run("refresh", "pick_and_place.py", "--check")
+    assert (refreshed.code, "is set for units that differ" in refreshed.err) == (2, True)
+    told = example.run("report", "pick_and_place.py", "--dossier", "out.zip")
+    assert (told.code, "unequal: function 'init'" in told.err) == (1, True)
+    assert not (example.folder / "out.zip").exists()

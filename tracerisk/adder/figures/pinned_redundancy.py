@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
-from tracerisk.adder.blocks.values import NOTHING_COMPUTED, read_redundancy
+from tracerisk.adder.blocks.values import NOTHING_COMPUTED, REDUNDANCY, read_redundancy
 from tracerisk.adder.figures.instance_values import InstanceValues, are_alike
+from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.errors import BlockError, Location
 
 _MOST_SHOWN = 8
@@ -35,33 +36,44 @@ class Unfounded:
     """What is wrong and what to do."""
 
 
-def unfounded_redundancies(block: RiskBlock, instances: InstanceValues) -> Iterator[Unfounded]:
-    """Yield each such redundancy of a block."""
+def unfounded_redundancies(
+    block: RiskBlock, instances: InstanceValues, written: WrittenBlock | None = None
+) -> Iterator[Unfounded]:
+    """Yield each such redundancy of a block.
+
+    What the tool computed stands beside the user's value after a refresh; before it, only in the
+    block as it was last `written`.
+    """
     if block.added:
         return
     for entry in block.components:
         values = instances.get(entry.name, {})
-        if _is_set_alone(entry) and not are_alike(values.values()):
+        computed = entry.redundancy.computed or _written_redundancy(written, entry.name)
+        if _is_set_alone(entry, computed) and not are_alike(values.values()):
             yield Unfounded(
                 f"{block.name}.{entry.name}.redundancy",
                 entry.redundancy.location or entry.location,
                 f"function '{block.name}', component '{entry.name}': 'redundancy := "
                 f"{entry.redundancy.text}' is set for units that differ ({_shown(values)} per "
                 f"visit); the block's probability holds only with 'redundancy = "
-                f"{entry.redundancy.computed}'; state the redundancy in the hardware "
+                f"{computed}'; state the redundancy in the hardware "
                 "description, or set the probability of a unit by hand too (probability := ...)",
             )
 
 
-def _is_set_alone(entry: ComponentEntry) -> bool:
+def _is_set_alone(entry: ComponentEntry, computed: str | None) -> bool:
     """Whether a user set another redundancy than the tool's, and no probability."""
     redundancy = entry.redundancy
     if entry.added or entry.omitted or not redundancy.pinned or entry.probability.pinned:
         return False
-    if redundancy.computed in (None, NOTHING_COMPUTED):
+    if computed is None or computed == NOTHING_COMPUTED:
         return False
-    assert redundancy.computed is not None
-    return read_redundancy(redundancy.computed) != redundancy.value
+    return read_redundancy(computed) != redundancy.value
+
+
+def _written_redundancy(written: WrittenBlock | None, component: str) -> str | None:
+    known = None if written is None else written.components.get(component)
+    return None if known is None else known.values.get(REDUNDANCY.key)
 
 
 def _shown(values: Mapping[str, float]) -> str:

@@ -68,7 +68,7 @@ _MADE = ("output", "dossier", "gif", "mp4")
 """The options that name a file to write."""
 _OF_VALUES = ("hardware", "active")
 """The options with which blocks are computed."""
-_OUTRUN = MENDED_BY_REFRESH - {"unknown"}
+_OUTRUN = MENDED_BY_REFRESH - {"unknown"} | {"unequal"}
 """The findings by which a figure does not follow from the files that are here now.
 
 Blocks that no lock knows are the word of their author, and follow from nothing else."""

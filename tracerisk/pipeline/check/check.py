@@ -282,7 +282,8 @@ def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterabl
         for placed in source.placed:
             name = names[FunctionRef(source.file, placed.function)]
             instances = kept_values(entry.trace, name)
-            for redundancy in unfounded_redundancies(placed.block, instances):
+            written = source.followed.bases[0].get(placed.function)
+            for redundancy in unfounded_redundancies(placed.block, instances, written):
                 place = redundancy.location or Location(source.shown, placed.first_line)
                 yield CheckFinding("unequal", redundancy.message, place, redundancy.path)
 

@@ -13,7 +13,7 @@ from tracerisk.adder.merge.owned import MovedUse, moved_uses
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.verdict import Verdict
 from tracerisk.config import SANDBOX_SETTINGS, SandboxMode
-from tracerisk.errors import ControllerFailedError, Location
+from tracerisk.errors import BlockError, ControllerFailedError, Location
 from tracerisk.pipeline.annotate import Annotated, annotate
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
@@ -76,7 +76,8 @@ def refresh_controller(
     It is run as it was run last, with the options of then, where its trace is stale or not kept.
     `sandbox` goes before the setting of that name.
     Raises EditInTheWayError where a user edited a computed value and the policy says to stop,
-    ControllerFailedError where the run fails, and what `run` raises else.
+    BlockError where a redundancy is set by hand over units that differ, ControllerFailedError where
+    the run fails, and what `run` raises else.
     """
     controller = load_controller(path, projects.of(path))
     check_blocks(controller)
@@ -99,6 +100,9 @@ def refresh_controller(
         checked = check_controller(path, projects)
         kinds = {finding.kind for finding in checked.findings}
         if is_settled and not kinds & MENDED_BY_REFRESH:
+            for finding in checked.findings:
+                if finding.kind == "unequal":
+                    raise BlockError(finding.message, finding.location)
             text = "nothing that it depends on has changed"
             left = {finding.subject for finding in checked.findings if finding.kind == "moved"}
             moved = tuple(one for one in moved_uses(entry) if one.path in left)
