@@ -16,6 +16,7 @@ from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import CodeType, ModuleType
 
+from tracerisk.common.sandbox.python_here import foreign_folders
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.loader import ON_DISK, compile_file
 from tracerisk.instrument.python_2.loader import ConvertingLoader
@@ -93,7 +94,7 @@ class ControllerFinder(MetaPathFinder):
             # Return it here: the other finder for this name serves only its interfaces and would
             # not look in this folder.
             spec.loader = ConvertingLoader(fullname, spec.origin)
-            return spec if top in self._packages else None
+            return spec if top in self._packages or not self._is_installed(spec.origin) else None
         return spec_from_file_location(
             fullname,
             spec.origin,
@@ -111,6 +112,10 @@ class ControllerFinder(MetaPathFinder):
     def _is_unknown(self, name: str) -> bool:
         return name not in self._shared and name not in sys.stdlib_module_names
 
+    def _is_installed(self, file: Path | str) -> bool:
+        path = Path(file).resolve()
+        return any(path.is_relative_to(folder) for folder in self._foreign)
+
     def is_own(self, file: Path) -> bool:
         """Return whether a file is the controller's own source."""
         resolved = file.resolve()
@@ -118,7 +123,7 @@ class ControllerFinder(MetaPathFinder):
             return False
         if _INSTALLED.intersection(resolved.relative_to(self._root).parts):
             return False
-        return not any(resolved.is_relative_to(folder) for folder in self._foreign)
+        return not self._is_installed(resolved)
 
 
 @contextlib.contextmanager
@@ -177,10 +182,3 @@ def _is_beside_script(spec: ModuleSpec | None) -> bool:
     """Return whether a package was found, and not among what is installed for Python."""
     installed = sysconfig.get_path("purelib")
     return _is_package(spec) and not Path(str(spec and spec.origin)).is_relative_to(installed)
-
-
-def foreign_folders() -> tuple[Path, ...]:
-    """Return tracerisk's own folder and those of the standard library and of what is installed."""
-    names = ("stdlib", "platstdlib", "purelib", "platlib")
-    installed = {Path(sysconfig.get_path(name)).resolve() for name in names}
-    return (Path(__file__).resolve().parents[1], *sorted(installed))

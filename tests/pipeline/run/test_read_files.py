@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import py_compile
 import zipfile
 
 import pytest
@@ -138,3 +139,105 @@ def test_a_variable_that_the_settings_name_is_an_input(example, monkeypatch):
     monkeypatch.setenv("TURNS", "2")
     monkeypatch.setenv("OTHER", "")
     assert "environment variable OTHER is set now" in example.run("check", "c.py").out
+
+
+_TURNS_OF = "import turns_of; turns = turns_of.TURNS"
+
+
+def _compiled(example, name: str, text: str) -> None:
+    example.write("turns_of.py", text)
+    source = example.folder / "turns_of.py"
+    py_compile.compile(str(source), str(example.folder / name), dfile="turns_of.py", doraise=True)
+    source.unlink()
+
+
+def _zipped(example, name: str, text: str) -> None:
+    path = example.folder / name
+    path.parent.mkdir(exist_ok=True)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("turns_of.py", text)
+
+
+# Of each way to have a module without a source in the workspace: its file, what writes it, and what
+# is on `PYTHONPATH`.
+_MODULES = {
+    "compiled": ("turns_of.pyc", _compiled, ""),
+    "on the path": (
+        "../beside/turns_of.py",
+        lambda example, name, text: example.write(name, text),
+        "../beside",
+    ),
+    "zipped on the path": ("../beside/turns.zip", _zipped, "../beside/turns.zip"),
+    "read and executed": (
+        "turns_of.py",
+        lambda example, name, text: example.write(name, text),
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("how", _MODULES)
+def test_code_that_a_run_loads_is_an_input_wherever_it_is(example_in, tmp_path, monkeypatch, how):
+    (tmp_path / "cell").mkdir()
+    (tmp_path / "beside").mkdir()
+    example = example_in(tmp_path / "cell")
+    name, write, on_path = _MODULES[how]
+    write(example, name, "TURNS = 2\n")
+    if on_path:
+        monkeypatch.setenv("PYTHONPATH", str((example.folder / on_path).resolve()))
+    executed = "names = {}; exec(open(here + '/turns_of.py').read(), names); turns = names['TURNS']"
+    example.write(
+        "c.py",
+        quick_controller(_HERE, executed if how == "read and executed" else _TURNS_OF, _TURNS),
+    )
+    ran = example.run("run", "c.py")
+    assert ran.code == 0, ran.err
+    assert set(_files(example)) == {name}
+    assert example.run("check", "c.py").code == 0
+    assert example.run("report", "c.py", "--dossier", "d").code == 0
+    with zipfile.ZipFile(example.folder / "d") as archive:
+        packed = [file for file in archive.namelist() if file.endswith(name.rpartition("/")[2])]
+        told = archive.read("assumptions.md").decode()
+    assert len(packed) == 1
+    assert (f"import: {name} " in told) == (how != "read and executed")
+    write(example, name, "TURNS = 5\n")
+    outcome = example.run("check", "c.py")
+    assert outcome.code == 1
+    assert f"{name} has changed" in outcome.out + outcome.err
+
+
+def test_what_a_run_reads_outside_of_the_workspace_is_an_input(example_in, tmp_path):
+    for folder in ("cell", "beside/site-packages"):
+        (tmp_path / folder).mkdir(parents=True)
+    example = example_in(tmp_path / "cell")
+    names = ("../beside/plan.txt", "../beside/site-packages/plan.txt", "../one.txt")
+    for name in names:
+        example.write(name, "2\n")
+    readable = [str(tmp_path / name) for name in ("beside", "one.txt")]
+    example.write("pyproject.toml", f"[tool.tracerisk]\nreadable = {readable}\n")
+    reads = [f"turns = int(open(here + '/{name}').read())" for name in names]
+    example.write("c.py", quick_controller(_HERE, *reads, _TURNS))
+    for options in ((), ("--fresh", "--sandbox", "off")):
+        ran = example.run("run", "c.py", *options)
+        assert ran.code == 0, ran.err
+        assert set(_files(example)) == set(names)
+    example.write(names[0], "5\n")
+    outcome = example.run("check", "c.py")
+    assert (outcome.code, f"{names[0]} has changed" in outcome.out + outcome.err) == (1, True)
+
+
+def test_what_changes_the_python_of_a_run_is_told_and_its_figure_is_out_of_date_without_it(
+    example, tmp_path, monkeypatch
+):
+    example.write("site/sitecustomize.py", "import math\nmath.expm1 = lambda x: 0.1 * x\n")
+    example.write("c.py", quick_controller())
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "site"))
+    ran = example.run("run", "c.py", "--json")
+    assert ran.code == 0, ran.err
+    (told,) = [line for line in ran.json["assumptions"] if "sitecustomize" in line]
+    assert "changed the Python in which tracerisk computes" in told
+    assert example.run("check", "c.py").code == 0
+    monkeypatch.delenv("PYTHONPATH")
+    outcome = example.run("check", "c.py")
+    assert outcome.code == 1
+    assert "what PYTHONPATH changes in Python was ['sitecustomize" in outcome.out

@@ -151,7 +151,7 @@ def start(
     A module that `is_repeated`, again and again, a server may fork where `more` is `OF_FORKED`.
     Raises SandboxError where a sandbox is required that does not work here.
     """
-    paths = _import_paths()
+    paths = import_paths()
     plan: dict[str, Any] = {
         "paths": paths,
         "parent": os.getpid(),
@@ -236,7 +236,7 @@ def regular_within(names: Iterable[str], folders: Iterable[Path]) -> tuple[Path,
     return tuple(dict.fromkeys(paths))
 
 
-def _import_paths() -> list[str]:
+def import_paths() -> list[str]:
     """Return from where the modules of this process come, but for its current folder's.
 
     Those of an isolated process come before them.

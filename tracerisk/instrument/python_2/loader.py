@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.machinery import SourceFileLoader
 from types import CodeType, ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.python_2.meaning import give_meaning, is_of_python_2
@@ -12,7 +12,11 @@ from tracerisk.instrument.source.python_source import decoded, read_python
 
 
 class ConvertingLoader(SourceFileLoader):
-    """Loads a source of either Python."""
+    """Loads a source of either Python, whatever is compiled of it beside it."""
+
+    def path_stats(self, path: str) -> NoReturn:
+        """Raise OSError: Python takes no bytecode of a source whose age it does not know."""
+        raise OSError(f"{path} is always read")
 
     def source_to_code(  # type: ignore[override]
         self, data: Any, path: Any, *, _optimization: int = -1

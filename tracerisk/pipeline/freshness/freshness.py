@@ -10,6 +10,7 @@ from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.sandbox.python_here import CHANGED_PYTHON
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -26,6 +27,11 @@ from tracerisk.pipeline.freshness.run_inputs import (
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller
 
+_NOT_SET = {
+    "tracerisk": "version of tracerisk",
+    CHANGED_PYTHON: "what PYTHONPATH changes in Python",
+}
+"""What is kept among the settings and is none, in words."""
 _TOLERANCES = (
     ("outcome_place_mm", "place_m", 1000.0),
     ("outcome_angle_deg", "angle_deg", 1.0),
@@ -136,7 +142,7 @@ def _comparable(recorded: RunInputs, root: Path) -> dict[str, str]:
 def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterable[str]:
     for name in sorted({*before, *now}):
         if before.get(name) != now.get(name):
-            text = "version of tracerisk" if name == "tracerisk" else f"setting {name}"
+            text = _NOT_SET.get(name, f"setting {name}")
             yield from value_changes(text, before.get(name), now.get(name))
 
 

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.sandbox.python_here import CHANGED_PYTHON, changed_python
 from tracerisk.common.settings.settings_file import names_file
 from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.common.text.digests import sha256
@@ -177,6 +178,8 @@ def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
         value = getattr(settings, entry.name)
         if entry.name not in _LIMITS and value != getattr(default, entry.name):
             data[entry.name] = _plain(entry.name, value, root)
+    if changed := changed_python():
+        data[CHANGED_PYTHON] = changed
     return data
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.hardware.source_files import has_sysml_name
+from tracerisk.common.sandbox.python_here import CHANGED_PYTHON
 from tracerisk.common.settings.settings_file import loads_toml
 from tracerisk.config import Settings
 from tracerisk.errors import Location, SettingsError, TraceRiskError
@@ -259,11 +260,10 @@ def _settings_now(run: RunOfVersion, changed: Collection[str]) -> dict[str, Any]
             raise SettingsError(error.message, place) from error
         data = settings_data(settings.with_options(given_options(recorded, controller)), root)
     # Which tracerisk looks is no change of the settings, nor that a trace was measured.
-    kept = {name: recorded.settings[name] for name in ("measured",) if name in recorded.settings}
-    data.pop("tracerisk", None)
-    if "tracerisk" in recorded.settings:
-        kept["tracerisk"] = recorded.settings["tracerisk"]
-    return {**data, **kept}
+    of_process = ("measured", "tracerisk", CHANGED_PYTHON)
+    kept = {name: recorded.settings[name] for name in of_process if name in recorded.settings}
+    stated = {name: value for name, value in data.items() if name not in of_process}
+    return {**stated, **kept}
 
 
 def _own_tables(run: RunOfVersion, text: bytes | None) -> Iterator[str]:

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk import errors
 from tracerisk.common import dependencies
-from tracerisk.common.sandbox.process import regular_within
+from tracerisk.common.sandbox.process import import_paths, regular_within
+from tracerisk.common.sandbox.python_here import changed_python
 from tracerisk.common.worlds.world import NOMINAL
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.twin.robots.robot import Robot
 
+
+_COMPILED = frozenset({".pyc", ".so"})
 
 Progress = Callable[[str, float], None]
 """Called with the phase and the simulated time [s]."""
@@ -259,6 +262,12 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
             files_read += given
     used, opened = _read_files(recording, request, within)
     lines += used
+    if changed := changed_python():
+        names = ", ".join(line.partition(" ")[0] for line in changed)
+        lines.append(
+            f"start: {names} of PYTHONPATH changed the Python in which tracerisk computes: its "
+            "figures are those of that Python, and another finds them out of date"
+        )
     files_read += opened
     if (lines or files_read) and recording.note(STARTED) is not None:
         inputs = tuple(dict.fromkeys(files_read))
@@ -269,19 +278,32 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
 def _read_files(
     recording: Recording, request: RunRequest, within: Sequence[Path]
 ) -> tuple[list[str], tuple[str, ...]]:
-    """Return a line for each prefix of which a run read files, and all files that it read.
+    """Return lines on what a run read from elsewhere, and all files that it read.
 
-    Those of the workspace are among them.
+    Those of the workspace are among them. Compiled code has a line wherever it is.
     """
     note = recording.note(READ) or {"files": ()}
-    read = regular_within(map(str, note["files"]), within)
+    on_path = list(map(Path, import_paths()))
+    read = regular_within(map(str, note["files"]), [*within, *on_path])
     lines = []
     for prefix in request.prefixes:
         count = sum(file.is_relative_to(prefix.path) for file in read)
         if count:
             what = "1 file" if count == 1 else f"{count} files"
             lines.append(f"installed: {what} of {prefix.path} ({prefix.found_in})")
-    return lines, shown(read, Path(request.root))
+    root = Path(request.root)
+    around = {*regular_within(map(str, read), within)}
+    if others := shown([file for file in read if file not in around], root):
+        lines.append(
+            f"import: {', '.join(others)} came from Python's path (PYTHONPATH, or a package that "
+            "is installed as a link), from outside of the workspace"
+        )
+    if compiled := shown([file for file in read if file.suffix in _COMPILED], root):
+        lines.append(
+            f"import: {', '.join(compiled)} is compiled code: none of its functions is a step, and "
+            "what it commands is not covered"
+        )
+    return lines, shown(read, root)
 
 
 def _replaced_file(process: ProcessEnd, root: Path) -> Path | None:

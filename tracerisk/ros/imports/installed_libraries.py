@@ -16,7 +16,6 @@ from importlib.abc import MetaPathFinder
 from importlib.machinery import EXTENSION_SUFFIXES, FileFinder, ModuleSpec
 from pathlib import Path
 from types import ModuleType
-from typing import NoReturn
 
 from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.python_2.loader import ConvertingLoader
@@ -101,16 +100,8 @@ class InstalledLibraries(MetaPathFinder):
         return tops
 
 
-class _SourceLoader(ConvertingLoader):
-    """Runs a source as it is, whatever is compiled of it beside it."""
-
-    def path_stats(self, path: str) -> NoReturn:
-        # Python takes no bytecode of a source whose age it does not know.
-        raise OSError(f"{path} is always read")
-
-
 def _source(fullname: str, folder: str) -> ModuleSpec | None:
-    return FileFinder(folder, (_SourceLoader, [".py"])).find_spec(fullname)
+    return FileFinder(folder, (ConvertingLoader, [".py"])).find_spec(fullname)
 
 
 def _refuse_compiled(fullname: str, folder: str) -> None:

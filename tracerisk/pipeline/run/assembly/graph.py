@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from tracerisk.common.sandbox.files.noted_reads import NotedReads
+from tracerisk.common.sandbox.python_here import foreign_folders
 from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import Location
-from tracerisk.instrument.import_finder import foreign_folders
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.source.definitions.used_interfaces import used_definitions
 from tracerisk.instrument.source.python_source import parsed
@@ -62,7 +62,7 @@ class ServedGraph:
     drivers: tuple[Driver, ...]
     """The drivers that are described: those that users gave, then the shipped ones."""
     reads: NotedReads
-    """Which files of installed packages, and which data of the workspace, were read."""
+    """Which files of installed packages, which data, and which code besides, were read."""
     state_reads: StateReads | None
     """Where joint states are read by index; `None` where the world sends them in order."""
     scenario: ScenarioWorld
@@ -137,13 +137,14 @@ def _define_from_use(
 
 
 def _reads_of(request: RunRequest, project: Project, workspace: Workspace) -> NotedReads:
-    """Return what notes the files of installed packages, and the data of the workspace."""
+    """Return what notes the files of installed packages, data that may be read, and code."""
     own = (Path(request.root), project.top, Path(request.controller).parent)
+    readable = map(Path, request.readable)
     left = [name for name in (request.folder, request.written) if name is not None]
     return NotedReads(
         readable_of(workspace.prefixes),
         ENDINGS,
-        data=(*own, *workspace.packages.values()),
+        data=(*own, *workspace.packages.values(), *readable),
         apart=(*foreign_folders(), *map(Path, left)),
     )
 
