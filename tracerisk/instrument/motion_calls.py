@@ -6,7 +6,7 @@ import ast
 import builtins
 import re
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from tracerisk.common.function_ref import FunctionRef
@@ -14,6 +14,7 @@ from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.marks.call_log import Calls, Place, Site, Turn
 from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.hidden_calls import hidden_calls
 from tracerisk.instrument.source.python_source import parsed
 
 MOTION_CALLS = frozenset(
@@ -26,6 +27,7 @@ MOTION_CALLS = frozenset(
 _COMMON = frozenset({"publish", "call", "call_async", "send_request"})
 
 
+_MOST_SHOWN = 60
 _LIKE_COMMANDS = re.compile(
     r"(go|move|jog|servo|grasp|grip|home|pick|place|send|execute|publish|call)(?![a-z])|move[jlcp]$|"
     r"set_(joint|pose|position|ee|gripper|target)|(open|close)_(gripper|hand)"
@@ -62,6 +64,14 @@ def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
     return frozenset(names)
 
 
+def motion_names(written: Iterable[str]) -> frozenset[str]:
+    """Return the last names of calls that command, with those `written` of a run, but common ones.
+
+    An attribute of a common name may be something else.
+    """
+    return MOTION_CALLS | {name.rpartition(".")[2] for name in written} - _COMMON
+
+
 @dataclass(frozen=True, slots=True)
 class MissedCall:
     """A call that led to no command, although the same call did at another place."""
@@ -93,7 +103,8 @@ def missed_calls(
 
     One that was executed is missed if the function it called turned back before it commanded, or
     if nothing has run what it made. One that was not executed is missed unless only an exception
-    leads to it, or the same call led to no command where it was executed.
+    leads to it, or the same call led to no command where it was executed. So is one of which nobody
+    can read what it commands.
     """
     tree = parsed(source)
     if tree is None:
@@ -101,6 +112,7 @@ def missed_calls(
     source_calls = [_SourceCall(call, (file, call.site)) for call in marked_calls(tree)]
     own = _commanding_names(tree, file, commanding)
     known = {call.same for call in source_calls if call.place in commanding.calls}
+    hidden = set(map(id, hidden_calls(tree, motion_names(written for written, _ in known))))
     in_vain = _turned_back(commanding, calls) | {
         call.place
         for call in source_calls
@@ -119,8 +131,10 @@ def missed_calls(
         is_missed = call.place in in_vain
         if call.place not in calls.executed | commanding.calls and not call.marked.is_spare:
             is_missed = (call.same in known or call.is_of(own)) and call.same not in asking
+            is_missed |= id(call.marked.node) in hidden
         if is_missed:
-            written = call.written or last_name(call.marked.node.func)
+            function = call.marked.node.func
+            written = call.written or last_name(function) or ast.unparse(function)[:_MOST_SHOWN]
             was_executed = call.place in calls.executed
             missed.append(MissedCall(file, call.marked.node.lineno, written, was_executed))
     return tuple(sorted(missed, key=lambda call: (call.line, call.written)))

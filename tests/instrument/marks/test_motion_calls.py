@@ -158,3 +158,11 @@ def test_a_source_that_is_no_python_misses_nothing():
 def test_what_commands_by_what_it_is_given_is_no_motion_call_by_its_name():
     assert calls_at(b"exec('arm.go()')\narm.exec()\n", {(1, 1), (2, 1)}) == {"arm.exec", "exec"}
     assert calls_at(b"exec('arm.go()')\n", {(1, 1)}) == frozenset()
+
+
+@pytest.mark.parametrize("call", ["move()", "getattr(robot, 'com' + 'mand')(1)", "exec(text)"])
+def test_a_call_that_was_not_executed_is_missed_where_nobody_can_read_what_it_commands(
+    missed, call
+):
+    source = f"{GRIP}grip(1)\nmove = robot.command\nif not grip:\n    {call}\n"
+    assert [(line, executed) for line, _, executed in missed(source)] == [(8, False)]

@@ -19,6 +19,7 @@ from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.marks.call_log import Site, call_key
 from tracerisk.instrument.marks.endless_loops import import_into
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.hidden_calls import EXECUTED
 
 MARK = "__tracerisk_called__"
 """The name of the mark in instrumented code; not mangled in classes, hidden from `*`."""
@@ -134,6 +135,8 @@ class _Names:
     def may_command(self, function: ast.expr) -> bool:
         """Return whether a call of what an expression names may command."""
         root = dotted_name(function).partition(".")[0]
+        if isinstance(function, ast.Name) and root in EXECUTED:
+            return True
         if root in self._own:
             return not self._is_log(function)
         if root in self._plain or (isinstance(function, ast.Name) and hasattr(builtins, root)):

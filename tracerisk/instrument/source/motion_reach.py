@@ -11,18 +11,20 @@ from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.python_source import FunctionSite
 
 
-def motion_reaching(graph: CallGraph, motion_names: Collection[str]) -> tuple[FunctionSite, ...]:
+def motion_reaching(
+    graph: CallGraph, motion_names: Collection[str], hidden: Collection[FunctionRef] = ()
+) -> tuple[FunctionSite, ...]:
     """Return the functions that can reach a motion command, in the order of files and lines.
 
     `motion_names` are the names of calls that command motion, as they are written
-    (`self.arm.go`) or the last of each (`go`).
+    (`self.arm.go`) or the last of each (`go`); `hidden` are functions that may command by others.
     """
     callers: dict[FunctionRef, set[FunctionRef]] = {}
     for ref, calls in graph.calls.items():
         for callee in calls.functions:
             callers.setdefault(callee, set()).add(ref)
     names = frozenset(motion_names)
-    pending = [ref for ref, calls in graph.calls.items() if calls.others & names]
+    pending = [ref for ref, calls in graph.calls.items() if calls.others & names or ref in hidden]
     reaching = set(pending)
     while pending:
         new = callers.get(pending.pop(), set()) - reaching
@@ -33,13 +35,19 @@ def motion_reaching(graph: CallGraph, motion_names: Collection[str]) -> tuple[Fu
 
 
 def uncovered(
-    graph: CallGraph, motion_names: Collection[str], ran: Collection[FunctionRef]
+    graph: CallGraph,
+    motion_names: Collection[str],
+    ran: Collection[FunctionRef],
+    hidden: Collection[FunctionRef] = (),
 ) -> tuple[Uncovered, ...]:
-    """Return the functions that can reach a motion command and are not among those that `ran`."""
+    """Return the functions that can reach a motion command and are not among those that `ran`.
+
+    Of those that ran it is known what they command, `hidden` ones too.
+    """
     fallback = _fallback(graph, ran)
     return tuple(
         Uncovered(site.ref, site.line, is_spare=site.ref in fallback)
-        for site in motion_reaching(graph, motion_names)
+        for site in motion_reaching(graph, motion_names, set(hidden) - set(ran))
         if site.ref not in ran and site.ref.name != MODULE
     )
 

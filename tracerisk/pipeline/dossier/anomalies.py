@@ -6,8 +6,8 @@ import ast
 from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
-from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.python_source import parsed
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.surroundings import places
 
 
 class Anomaly(NamedTuple):
@@ -25,10 +25,14 @@ _LOOKED_UP = frozenset(
     (
         *("exists", "isfile", "isdir", "is_file", "is_dir"),
         *("listdir", "scandir", "iterdir", "glob", "iglob", "rglob"),
-        *("imread", "Popen", "check_output", "check_call"),
+        *("stat", "lstat", "access", "getsize", "getmtime", "walk", "fwalk"),
+        *("imread", "CDLL", "LoadLibrary", "Popen", "check_output", "check_call", "getoutput"),
+        *("system", "popen", "posix_spawn", "create_subprocess_exec", "create_subprocess_shell"),
     )
 )
 """The functions that learn of files without opening them in Python."""
+_STARTED = frozenset({"subprocess.run", "subprocess.call"})
+"""The functions that start programs, whose last names others have too."""
 _OPENED = frozenset({"open", "Path", "load", "loadtxt", "expanduser"})
 """The functions that are given a path, which may lead out of the workspace."""
 
@@ -38,7 +42,8 @@ def _looks_up(node: ast.AST) -> bool:
         return False
     name, first = last_name(node.func), next(iter(node.args), None)
     is_path = isinstance(first, ast.Constant) and str(first.value).startswith(("/", "~", "../"))
-    return name in _LOOKED_UP or (name in _OPENED and is_path)
+    is_started = dotted_name(node.func) in _STARTED
+    return is_started or name in _LOOKED_UP or (name in _OPENED and is_path)
 
 
 def _is_left_in_its_middle(node: ast.AST) -> bool:
@@ -63,38 +68,11 @@ ANOMALIES = (
     Anomaly(
         "K2",
         "your controller asks whether files exist, lists folders, starts programs, or reads files "
-        "by a compiled library or outside of the workspace",
+        "by a compiled library or of the system",
         _looks_up,
     ),
 )
 """The known anomalies, sorted by number, with the words of docs/safety.md."""
-
-
-_ENVIRONMENT = frozenset({"environ", "environb", "getenv", "getenvb"})
-
-
-def reads_environment(sources: Mapping[str, bytes]) -> list[str]:
-    """Return the lines of Python sources that may read a variable of the environment."""
-    return _places(_trees(sources), lambda node: _names(node) in _ENVIRONMENT)
-
-
-def _names(node: ast.AST) -> str:
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""
-
-
-def _trees(sources: Mapping[str, bytes]) -> dict[str, ast.Module | None]:
-    return {name: parsed(data) for name, data in sources.items() if name.endswith(".py")}
-
-
-def _places(trees: Mapping[str, ast.Module | None], is_met: Callable[[ast.AST], bool]) -> list[str]:
-    return [
-        f"{name}:{line}"
-        for name, tree in sorted(trees.items())
-        if tree is not None
-        for line in sorted({getattr(node, "lineno", 0) for node in ast.walk(tree) if is_met(node)})
-    ]
 
 
 def met_anomalies(sources: Mapping[str, bytes]) -> Iterator[str]:
@@ -102,9 +80,8 @@ def met_anomalies(sources: Mapping[str, bytes]) -> Iterator[str]:
 
     `sources` are Python files by name; what does not parse has no lines.
     """
-    trees = _trees(sources)
     for anomaly in ANOMALIES:
-        places = _places(trees, anomaly.is_met)
+        lines = places(sources, anomaly.is_met)
         none = "no such line was found in `files/`, which proves nothing"
-        at = f"look at {', '.join(places)}" if places else none
+        at = f"look at {', '.join(lines)}" if lines else none
         yield f"{anomaly.number} concerns you if {anomaly.concerns}: {at}"

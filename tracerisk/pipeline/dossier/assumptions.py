@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.hardware.shipped import bare_arm, hardware_of, is_shipped
 from tracerisk.common.hardware.sources import without_source
-from tracerisk.pipeline.dossier.anomalies import met_anomalies, reads_environment
+from tracerisk.instrument.source.surroundings import asks_clock, asks_environment, places
+from tracerisk.pipeline.dossier.anomalies import met_anomalies
 from tracerisk.pipeline.dossier.guide import accepted_reasons, warning_of
 from tracerisk.report.instances import component_shares
 from tracerisk.report.tables import share_text
@@ -116,12 +117,17 @@ def _listed(lines: Iterable[str]) -> str:
 
 
 def _environment(sources: Mapping[str, bytes]) -> Iterator[str]:
-    """Yield that a controller may do something else where a variable is set."""
-    if places := reads_environment(sources):
+    """Yield that a controller may do something else where a variable is set, or at another time."""
+    if lines := places(sources, asks_environment):
         yield (
-            f"the controller reads environment variables ({', '.join(places)}): one that the "
+            f"the controller reads environment variables ({', '.join(lines)}): one that the "
             "setting `env` does not name is no input of the run, and the sandbox hides it; where "
             "it is set, the controller may do something else"
+        )
+    if lines := places(sources, asks_clock):
+        yield (
+            f"the controller reads the clock ({', '.join(lines)}), which begins at "
+            "2026-01-01T00:00:00 UTC in each run and goes on with the simulated time"
         )
 
 

@@ -76,6 +76,9 @@ DECIDED = "decided"
 LOST_ON_THE_WAY = "lost_on_the_way"
 """The note of what a world reached of the controller: `lost`, words, file and line. What was
 sent to an end that was not connected yet, then where joint states are read in another order."""
+ASKED = "asked"
+"""A note for each environment variable that the controller asked for and a run does not have:
+`name`, `file` and `line`."""
 UNMET = "unmet"
 """The note of what the controller asked for in vain and went on without."""
 GIVEN = "given"

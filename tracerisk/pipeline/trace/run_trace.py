@@ -3,33 +3,38 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.shipped import fitting_words, hardware_of, is_shipped
 from tracerisk.common.traced.elements import Exposure
 from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Coverage
 from tracerisk.config import Settings
-from tracerisk.errors import UnsafeRewriteError
+from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.commands import traced_commands
 from tracerisk.instrument.marks.call_log import Site
-from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
+from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at, motion_names
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.source.call_graph import CallGraph, call_graph
 from tracerisk.instrument.source.function_definitions import MODULE
+from tracerisk.instrument.source.hidden_calls import hidden_calls
 from tracerisk.instrument.source.motion_reach import motion_reaching, uncovered
-from tracerisk.instrument.source.python_source import is_python_2
+from tracerisk.instrument.source.python_source import is_python_2, parsed
+from tracerisk.instrument.source.surroundings import asked
 from tracerisk.pipeline.trace.compiled.coverage import c_coverage
 from tracerisk.pipeline.trace.compiled.includes import included_files
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
 from tracerisk.pipeline.trace.run_files import (
+    ASKED,
     CYCLE,
     DISTRO,
     ELSEWHERE,
@@ -41,7 +46,7 @@ from tracerisk.pipeline.trace.run_files import (
 )
 from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sensors
-from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.like_commands import like_commands
 from tracerisk.ros.scenario.objects import simulated_scene
@@ -204,13 +209,24 @@ def _coverage(controller: Controller, recording: Recording, libraries: Libraries
         called = {name for calls in graph.calls.values() for name in calls.others}
         motion |= like_commands(called, [controller.source_of(file) for file in files])
     ran = {site.ref for site in recording.functions_ran}
-    never_ran = tuple(item for item in uncovered(graph, motion, ran) if item.ref.file in own)
+    hidden = {ref for file in own for ref in _hidden(controller, file, motion)}
+    missed = uncovered(graph, motion, ran, hidden)
+    never_ran = tuple(item for item in missed if item.ref.file in own)
     # What the run has seen to command counts, however it came to.
     seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
     issuers = {command.stack[-1].function for command in recording.commands}
     reaching = {function_site.ref for function_site in motion_reaching(graph, motion)} | seen
     able = {ref for ref in reaching if ref.name != MODULE and ref.file in own} | issuers
+    able |= {item.ref for item in never_ran}
     return Coverage(len(able) - len(never_ran), len(able), never_ran)
+
+
+def _hidden(controller: Controller, file: str, motion: Collection[str]) -> Iterator[FunctionRef]:
+    """Yield the functions of a file that may command by a name that nobody can read."""
+    tree = parsed(controller.source_of(file)) if controller.is_python else None
+    for call in () if tree is None else hidden_calls(tree, motion_names(motion)):
+        if name := function_of(controller, Location(file, call.lineno)):
+            yield FunctionRef(file, QualifiedName(name))
 
 
 def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
@@ -288,6 +304,26 @@ def _converted(controller: Controller, recording: Recording) -> list[str]:
     ]
 
 
+def _asked(ran: Ran) -> Iterator[str]:
+    """Yield what the controller asked of its surroundings that a run has other than the robot."""
+    controller, recording = ran.controller, ran.recording
+    if not controller.is_python:
+        return
+    yield from asked({f: controller.source_of(f) for f in _files(controller, recording)})
+    variables: dict[str, str] = {}
+    for note in recording.notes:
+        name, file = str(note.data.get("name")), str(note.data.get("file"))
+        if note.kind == ASKED and name not in ran.settings.env:
+            place = from_root(controller.root.resolve(), Path(file).resolve())
+            variables.setdefault(name, f"{place}:{note.data.get('line')}")
+    for name, place in sorted(variables.items()):
+        yield (
+            f"environment: {place} asked for the variable {name}, which a run does not have: where "
+            f"it is set, the program may do something else; env = [{json.dumps(name)}] in "
+            "[tool.tracerisk] passes it on"
+        )
+
+
 def _assumptions(ran: Ran) -> tuple[str, ...]:
     robot, settings, recording, end = ran.robot, ran.settings, ran.recording, ran.end
     lines = []
@@ -302,6 +338,7 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
         lines.append(distro["line"])
     lines += _started_by(recording)
     lines += _converted(ran.controller, recording)
+    lines += _asked(ran)
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
     lines += [f"robot: {sentence}" for sentence in robot.assumed_figures]

@@ -20,10 +20,11 @@ from tracerisk.pipeline.run.assembly.imports import Imports
 from tracerisk.pipeline.run.assembly.watches import Watches
 from tracerisk.pipeline.run.assembly.world import SimulatedWorld
 from tracerisk.pipeline.run.scripted_input import Answers, scripted_input
-from tracerisk.pipeline.trace.run_files import RunRequest
+from tracerisk.pipeline.trace.run_files import ASKED, RunRequest
 from tracerisk.pipeline.workspace.entry_point import EntryPoint, find_entry_point
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.controller.asked_variables import asked_variables
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.graph.runtime import activate
@@ -84,6 +85,7 @@ def controller_surroundings(
         served_older_releases(),
         virtual_time(world.scheduler, seed=request.seed, note=not_simulated),
         scripted_input(_answers(request, world, graph, watches)),
+        asked_variables(partial(recorder.note, ASKED)),
         prepared_controller(
             script,
             world.tracer,
