@@ -164,6 +164,16 @@ def test_the_source_of_a_description_is_that_of_figures_without_one(tmp_path):
     assert assumed_sources(read_hardware(path)) == {"bare": "assumed: round numbers"}
 
 
+def test_figures_of_a_component_that_are_not_all_assumed_are_counted(tmp_path):
+    path = tmp_path / "hardware.yaml"
+    path.write_text(
+        "source: a data book\ncomponents:\n  hand:\n    active: always\n    probability:\n"
+        "      - {value: 1e-6, per: minute, source: assumed}\n      - {value: 1e-6, per: visit}\n"
+    )
+    words = "assumed (1 of its 2 figures; the share is that of all)"
+    assert assumed_sources(read_hardware(path)) == {"hand": words}
+
+
 def test_own_part_and_common_cause_of_a_component_count_together(figures):
     more = ", redundancy: true, common_cause: {beta: 0.1}, source: assumed"
     _, found = figures(MOTOR % more, trace_of(one=1.0, two=1.0))

@@ -6,7 +6,7 @@ import tracerisk
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.verdict import Coverage, Reason, Verdict
 from tracerisk.prm import FIGURE_STATEMENT
-from tracerisk.prm.review.change_records import RunVerdicts
+from tracerisk.prm.review.change_records import PinChange, RunVerdicts
 from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.text import render_diff
 
@@ -483,3 +483,15 @@ def test_many_other_times_are_one_line_with_how_long_the_arm_is_under_way(differ
     assert "the way to rest 1 of 9" in render_diff(review_of(few))
     gone_wrong = RunVerdicts(run_of("complete"), run_of("faulted", "raised"))
     assert "under way" not in render_diff(review_of(replace(diff, verdicts=gone_wrong)))
+
+
+def test_a_next_that_a_user_set_is_not_said_to_be_the_mission_of_the_run(difference, review_of):
+    diff = difference(one_step("motor = 4e-8"), one_step("motor = 4e-9"))
+    diff = replace(diff, outcome=OutcomeChanges())
+    assert "the mission brings about the same" in first_sentence(render_diff(review_of(diff)))
+    (function,) = diff.functions
+    fewer = replace(function, after=replace(function.after, expected_visits=0.1))
+    pin = PinChange("new", "reach.next", None, "done 1", None, None, None, None)
+    said = first_sentence(render_diff(review_of(replace(diff, functions=(fewer,), pins=(pin,)))))
+    assert "the mission brings about the same" not in said
+    assert "by `next` set by hand one of the two figures is of another mission" in said

@@ -159,8 +159,26 @@ def _same_mission(diff: RiskDiff) -> str:
     outcome = diff.outcome
     if outcome is None or outcome.result or outcome.lost:
         return ""
+    if _is_of_another_number(diff):
+        return (
+            "; the run brings about the same, but by `next` set by hand one of the two figures is "
+            "of another mission than its run"
+        )
     way = "by a longer way" if outcome.added else "by the same way"
     return f"; the mission brings about the same, {way}"
+
+
+def _is_of_another_number(diff: RiskDiff) -> bool:
+    """Return whether a user has changed how often a mission visits a function."""
+    if not any(pin.path.endswith(".next") and pin.kind != "drifted" for pin in diff.pins):
+        return False
+    visits = [(one.before, one.after) for one in diff.functions]
+    return any(
+        before is not None
+        and after is not None
+        and not is_noise(before.expected_visits, after.expected_visits)
+        for before, after in visits
+    )
 
 
 _ALSO = 0.2
