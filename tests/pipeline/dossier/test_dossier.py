@@ -251,6 +251,48 @@ def test_blocks_alone_are_recomputed_up_to_the_mission(of_blocks, source, words)
     assert words in text
 
 
+_BLOCK = """\
+def {name}(arm):
+    # | RiskAnnotation
+    # | @Function {{
+    # |   name = {name}
+    # |   callSequence = {rank}
+{following}
+    # | }}
+    # | @Component {{
+    # |   name = motor
+    # |   probability = {p}
+    # |   quantity = 1
+    # |   redundancy = false
+    # | }}
+    arm.go()
+
+
+"""
+_BRANCHING = {
+    "main": (0.01, "reach 1"),
+    "reach": (0.02, "grip 2/4", "let_go 2/4"),
+    "grip": (0.03, "reach 1"),
+    "let_go": (0.04, "reach 1/2", "done 1/2"),
+}
+
+
+def test_the_reason_of_a_difference_is_the_one_that_makes_it(of_blocks):
+    source = "".join(
+        _BLOCK.format(
+            name=name,
+            rank=rank,
+            p=p,
+            following="\n".join(f"    # |   next = {step}" for step in steps),
+        )
+        for rank, (name, (p, *steps)) in enumerate(_BRANCHING.items(), start=1)
+    )
+    text = (of_blocks(source) / "calculation.md").read_text()
+    check_mission(text)
+    assert "because a cycle counts the mean of the ways on which reach may go on" in text
+    assert "hidden failures are carried" not in text
+
+
 def scram(model: Path) -> dict[str, float]:
     done = subprocess.run(
         [SCRAM, "--probability", "1", str(model)], capture_output=True, text=True, check=True
@@ -376,6 +418,33 @@ def with_own_hardware(example_in, quick, tmp_path_factory):
     outcome = example.run("run", "controller.py", "--quiet")
     assert outcome.code == 0, outcome.err
     return example.folder
+
+
+def test_the_remedy_of_a_kept_run_that_was_edited_mends_it(example, quick):
+    law = "{reference_load: 0.05, wearing_share: 0.9, exponent: 3}"
+    example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell.yaml"\n')
+    example.write(
+        "cell.yaml",
+        "source: data book\ncomponents:\n  motor: {failure_rate: {value: 1e-6, per: hour}, "
+        f"load_law: {law}, twin: {{joints: '*'}}}}\n",
+    )
+    example.write("controller.py", quick())
+    dossier = ("report", "controller.py", "--dossier", "out.zip")
+    assert example.run("run", "controller.py", "--quiet").code == 0
+    assert example.run(*dossier).code == 0
+    with zipfile.ZipFile(example.folder / "out.zip") as archive:
+        assert "source: data book" in archive.read("calculation.md").decode()
+    (path,) = (example.folder / ".tracerisk_cache").glob("*.json")
+    trace = json.loads(path.read_bytes())
+    for visit in trace["visits"]:
+        for exposure in visit["exposures"].values():
+            exposure["wear"] = [wear / 100.0 for wear in exposure["wear"]]
+    path.write_text(json.dumps(trace))
+    refused = example.run(*dossier)
+    assert refused.code == 2
+    assert "`tracerisk run controller.py` makes both again" in refused.err
+    assert example.run("run", "controller.py", "--quiet").code == 0
+    assert example.run(*dossier).code == 0
 
 
 @pytest.mark.slow(but=2)

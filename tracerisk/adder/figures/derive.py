@@ -80,7 +80,7 @@ def derive_function(
         uses = function_uses(used, visits)
         if function in uses:
             group = _group(used, here, function, uses)
-            components.append(_component(used, here.numbers, group, block))
+            components.append(_component(used, here.numbers, group, block, hardware.source))
     return FunctionDerivation(
         function=model_names([traced_function.ref for traced_function in trace.functions])[
             function
@@ -100,8 +100,13 @@ def derive_function(
 
 
 def _component(
-    used: ComponentUse, visits: Sequence[int], group: GroupDerivation, block: RiskBlock | None
+    used: ComponentUse,
+    visits: Sequence[int],
+    group: GroupDerivation,
+    block: RiskBlock | None,
+    source: str | None,
 ) -> ComponentDerivation:
+    """Return the steps of a component; `source` is that of the description as a whole."""
     component = used.component
     distinct = list(dict.fromkeys(used.units))
     first = distinct[0]
@@ -127,7 +132,7 @@ def _component(
         name=component.name,
         redundancy=computed_redundancy(component.redundancy).text,
         always_active=component.always_active,
-        source=component.source,
+        source=component.source or source,
         load_law=component.load_law,
         age_s=component.age_s,
         terms=terms,

@@ -22,9 +22,11 @@ def assumed_sources(hardware: Hardware) -> dict[str, str]:
             if source is not None and is_assumed(source)
         ]
         if assumed:
-            sources_of[component.name] = "; ".join(
-                " ".join(name.split()) for name in dict.fromkeys(assumed)
-            )
+            words = "; ".join(" ".join(name.split()) for name in dict.fromkeys(assumed))
+            count = sum(source is not None and is_assumed(source) for source in stated)
+            if 0 < count < len(stated):
+                words += f" ({count} of its {len(stated)} figures; the share is that of all)"
+            sources_of[component.name] = words
     return sources_of
 
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from tracerisk.adder.figures.derivation import FunctionDerivation
 from tracerisk.prm.hybrid.assessment import FIXED, Assessment
-from tracerisk.prm.hybrid.elements import FunctionState
+from tracerisk.prm.hybrid.elements import DONE, FunctionState
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.mission_tree import LatentGroup, MissionTree
@@ -171,15 +171,34 @@ def _reading(model: HybridModel, assessment: Assessment, mission: MissionTree) -
     if off <= _EXACT * max(reported, executed):
         yield "That is the same figure.\n"
         return
-    why = "the numbers of cycles vary around their mean"
-    if figures.reading == FIXED:
-        why = "hidden failures are carried from cycle to cycle"
-    if not model.has_cycle:
-        why = "branches exclude each other"
+    whys = " and ".join(_whys(model, figures.reading, mission, off))
     yield (
-        f"It differs by {number(off)}, relative {off / max(reported, executed):.2g}, because "
-        f"{why}; `tracerisk docs theory` prints the formulas.\n"
+        f"It differs by {number(off)}, relative {off / max(reported, executed):.2g}"
+        f"{f', because {whys}' if whys else ''}; `tracerisk docs theory` prints the formulas.\n"
     )
+
+
+def _whys(model: HybridModel, reading: str, mission: MissionTree, off: float) -> Iterator[str]:
+    """Yield why a figure is by `off` another than that of the mission as executed."""
+    if not model.has_cycle:
+        yield "branches exclude each other"
+        return
+    if reading != FIXED:
+        yield "the numbers of cycles vary around their mean"
+        return
+    # Hidden failures make no more of a difference than they are likely at all.
+    if sum(float(group.per_mission) for group in mission.groups) >= off:
+        yield "hidden failures are carried from cycle to cycle"
+    branching = [
+        state.name
+        for state in model.states
+        if sum(step.weight > 0 and step.target != DONE for step in state.next) > 1
+    ]
+    if branching:
+        yield (
+            f"a cycle counts the mean of the ways on which {', '.join(branching)} may go on, and "
+            "the mission as executed each of them as often as it was gone"
+        )
 
 
 def _shares(group: LatentGroup, mission: MissionTree) -> str:

@@ -67,7 +67,8 @@ def dossier(
     here, mission = environment(), mission_tree(report.model)
     derivations = _derivations(report, root, settings.active, evidence)
     if not isinstance(derivations, str):
-        _check_follow(derivations, settings.tolerance)
+        assert report.trace is not None, "the derivations are of it"
+        _check_follow(derivations, settings.tolerance, report.trace.controller)
     calculation = hand_calculation(report.model, report.assessment, mission, derivations)
     files = _files(report, root)
     sources = {
@@ -101,8 +102,10 @@ def _other_than_default(settings: Settings, root: Path) -> dict[str, object]:
     return {name: value for name, value in data.items() if name not in ("tracerisk", "accept")}
 
 
-def _check_follow(derivations: Sequence[FunctionDerivation], tolerance: float) -> None:
-    """Raise InputError at a block whose value the run does not give."""
+def _check_follow(
+    derivations: Sequence[FunctionDerivation], tolerance: float, controller: str
+) -> None:
+    """Raise InputError at a block whose value the run of a controller does not give."""
     for function in derivations:
         for component in function.components:
             block = component.block
@@ -114,7 +117,7 @@ def _check_follow(derivations: Sequence[FunctionDerivation], tolerance: float) -
                     f"the block of {function.function} says {block.text} of {component.name},"
                     f" and this run gives {block.computed}: the run is of other sources or other "
                     "hardware data, or one of the two was changed by hand; "
-                    f"`tracerisk refresh {function.file}`",
+                    f"`tracerisk run {controller}` makes both again",
                     Location(function.file),
                 )
 
