@@ -223,6 +223,8 @@ def test_a_file_of_parameters_that_is_not_there_is_named_by_a_run_that_fails(ros
     outcome = ros1.run("run", "scripts/turn.py", "--no-draft")
     assert outcome.code == 4
     assert "launch/turn.launch:1 loads config/angles.yaml, which is not there" in outcome.err
+    # The run without the launch file, which came to no more, prints nothing of its own.
+    assert outcome.err.count("Traceback") == 1
 
 
 def test_doctor_reports_the_launch_file_before_a_run(ros1):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -9,6 +10,7 @@ from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Acceptance, Coverage, Uncovered, verdict_line
 from tracerisk.common.verdict_codes import ACCEPTABLE, CODES
 from tracerisk.errors import Location
+from tracerisk.pipeline.trace.falls import down_upright
 from tracerisk.pipeline.trace.judge import judge, with_acceptances
 from tracerisk.pipeline.trace.recorded_run import (
     Fall,
@@ -425,9 +427,20 @@ def test_a_thing_that_tipped_is_a_reason():
 
 
 def test_a_thing_that_fell_and_tipped_is_one_reason():
-    (reason,) = judge(recorded(falls=(Fall("tube", 3.5, 0.15, True, is_tipped=True),))).reasons
+    (reason,) = judge(recorded(falls=(Fall("tube", 3.5, 0.15, True, True, 0.009),))).reasons
     assert reason.code == "object-dropped"
-    assert reason.words == "'tube' fell 150 mm and tipped over after it was let go"
+    assert reason.words == (
+        "'tube' fell 150 mm (its middle; 9 mm before it began to tip) and tipped over after it was "
+        "let go"
+    )
+
+
+def test_the_height_under_a_thing_is_told_from_its_tipping():
+    height = np.array([0.20, 0.195, 0.191, 0.15, 0.13])
+    tilts = np.radians([0.0, 0.0, 1.0, 40.0, 90.0])
+    axis = np.stack((np.sin(tilts), np.zeros(5), np.cos(tilts)), axis=1)
+    assert down_upright(height, axis) == pytest.approx(0.009)
+    assert down_upright(height[:3], axis[:3]) == pytest.approx(0.009)
 
 
 @pytest.mark.parametrize(("height", "also"), [(0.003, ""), (0.15, ", and fell 150 mm")])

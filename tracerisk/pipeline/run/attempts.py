@@ -61,6 +61,7 @@ def trace_attempts(
     settings = with_scenario(settings)
     kept = kept or KeptChoices()
     simulated_s = 0.0
+    is_repeated = False
 
     def may_go_on() -> bool:
         return simulated_s < _MOST_DURATIONS * settings.run_duration_s
@@ -69,7 +70,8 @@ def trace_attempts(
         choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
     ) -> ControllerRun:
         nonlocal simulated_s
-        asked = replace(options, keep=keep)
+        # With a launch file it was shown what the controller prints: it would come twice.
+        asked = replace(options, keep=keep, quiet=options.quiet or is_repeated)
         done = _with_robot(controller, settings, choice, companions, asked, kept)
         simulated_s += done.trace.end.simulated_s or 0.0
         if options.on_run is not None:
@@ -105,6 +107,7 @@ def trace_attempts(
             f"({trace.end.message}); --launch FILE takes it",
         )
     )
+    is_repeated = True
     plain = attempt(without, None)
     if _is_cut_short(plain):
         return plain

@@ -16,6 +16,8 @@ from tracerisk.twin.recording.slips import Slips
 TIP_RAD = math.radians(45.0)
 """A thing whose axis tilts by more than its hand turned it tipped over [rad]."""
 
+_BEGUN_RAD = math.radians(5.0)  # a thing whose axis turned by more has begun to tip [rad]
+
 Flags = NDArray[np.bool_]
 
 
@@ -72,8 +74,19 @@ def _falls_of(name: str, poses: NDArray[np.float64], slips: Slips) -> Iterator[F
                 height_m=down,
                 was_held=was_held,
                 is_tipped=is_tipped,
+                upright_m=down_upright(height[begun:stop], axis[begun:stop]) if is_tipped else None,
                 slipped_from=ended[-1].holder if slipped else "",
             )
+
+
+def down_upright(height: NDArray[np.float64], axis: NDArray[np.float64]) -> float:
+    """Return how far a thing came down before its axis turned [m]: the height that it fell from.
+
+    `height` (n_poses,) [m] and `axis` (n_poses, 3) begin with the pose in which it was let go.
+    """
+    turned = axis @ axis[0] < math.cos(_BEGUN_RAD)
+    until = int(np.argmax(turned)) if turned.any() else len(height)
+    return float(height[0] - height[:until].min())
 
 
 def _tilt(axis: NDArray[np.float64]) -> float:
@@ -97,6 +110,9 @@ def _free_spans(held: Flags, begin: int) -> Iterator[tuple[int, int]]:
 def how_it_fell(fall: Fall) -> tuple[str, str]:
     """Return the code of a reason, and its words."""
     fell = f"fell {1000.0 * fall.height_m:.0f} mm" if fall.height_m > FALL_M else ""
+    if fell and fall.upright_m is not None:
+        # What tips comes down by its own height, too; what is below it is missing by the rest.
+        fell += f" (its middle; {1000.0 * fall.upright_m:.0f} mm before it began to tip)"
     done = " and ".join(filter(None, (fell, "tipped over" if fall.is_tipped else "")))
     if fall.slipped_from:
         slipped = f"slipped out of {fall.slipped_from}, which was not opened"

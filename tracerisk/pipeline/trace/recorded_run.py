@@ -153,6 +153,8 @@ class Fall:
     """Whether it was held before, and not only touched."""
     is_tipped: bool = False
     """Whether it came to rest on another side than it stood on, or than its hand turned it to."""
+    upright_m: float | None = None
+    """How far it came down before it began to tip [m]; `None` where it did not tip."""
     slipped_from: str = ""
     """The gripper out of which it slipped; empty where it was released, or never held."""
 
