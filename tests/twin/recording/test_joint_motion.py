@@ -9,6 +9,7 @@ from tracerisk.twin.recording.joint_motion import (
     LEVER_M,
     SetPoint,
     _windowed_most,
+    distinct,
     motion_steps,
     runs,
 )
@@ -110,3 +111,11 @@ def test_the_greatest_of_each_window(values: list[float], size: int):
     size = min(size, len(values))
     windows = np.lib.stride_tricks.sliding_window_view(np.array(values), size)
     assert _windowed_most(np.array(values), size).tolist() == windows.max(axis=1).tolist()
+
+
+@given(st.lists(st.integers(-3, 3)), st.sampled_from([np.int32, np.int64, np.float64]))
+def test_distinct_numbers_are_those_of_numpy(values, kind):
+    numbers = np.array(values, dtype=kind)
+    ours, theirs = distinct(numbers), np.unique(numbers)
+    assert (ours.tolist(), ours.dtype) == (theirs.tolist(), theirs.dtype)
+    assert distinct(np.stack((numbers, numbers))).tolist() == theirs.tolist()

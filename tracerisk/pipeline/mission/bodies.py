@@ -14,6 +14,7 @@ from tracerisk.pipeline.mission.facts import MissionFacts, Track, on_axes
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.physics.scene import Goal
 from tracerisk.twin.recording.contact_log import LOOK_EVERY
+from tracerisk.twin.recording.joint_motion import distinct
 from tracerisk.twin.recording.tool_way import arm_to, tool_places
 
 UPRIGHT_RAD = math.radians(5.0)
@@ -210,13 +211,13 @@ def resting_on(facts: MissionFacts, name: str, times: Array) -> dict[str, Flags]
     rows = log.rows[log.rows["force"] > 0.0]
     own = rows[np.isin(rows["one"], places) | np.isin(rows["two"], places)]
     now = np.round(times / samples.step_s).astype(np.int64)
-    last = _last_before(np.unique(own["step"]), now)
+    last = _last_before(distinct(own["step"]), now)
     others = np.where(np.isin(own["one"], places), own["two"], own["one"])
     is_logged = ~is_end if name in facts.bearing else np.ones(len(times), dtype=np.bool_)
-    for place in np.unique(others).tolist():
+    for place in distinct(others).tolist():
         body = log.bodies[place]
         if body.kind != "link":
-            touched = _last_before(np.unique(own["step"][others == place]), now)
+            touched = _last_before(distinct(own["step"][others == place]), now)
             touches = is_logged & (touched >= 0) & (touched >= last - 2 * LOOK_EVERY)
             table[body.name] = table.get(body.name, ~is_logged & is_logged) | touches
     return table

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY, ContactLog
-from tracerisk.twin.recording.joint_motion import runs
+from tracerisk.twin.recording.joint_motion import distinct, runs
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.robot_parts import Gripper
 
@@ -64,12 +64,12 @@ def pair_touches(log: ContactLog, n_steps: int) -> tuple[PairTouches, ...]:
     overlaps = rows["force"] < 0.0
     key = (low * len(log.bodies) + high) * 2 + overlaps
     touches = []
-    for pair in np.unique(key):
+    for pair in distinct(key):
         own = rows[key == pair]
         (one, two), is_overlap = divmod(int(pair) // 2, len(log.bodies)), bool(pair % 2)
         if is_overlap:
             # Postures are looked at now and then: each stands for the time to the next look.
-            steps = np.unique(own["step"][:, None] + np.arange(POSTURE_EVERY))
+            steps = distinct(own["step"][:, None] + np.arange(POSTURE_EVERY))
             touches.append(PairTouches(one, two, steps[steps < n_steps], None))
             continue
         steps, place = np.unique(own["step"], return_inverse=True)

@@ -23,6 +23,7 @@ from tracerisk.twin.recording.contact_pairs import (
     moved_by,
     pair_touches,
 )
+from tracerisk.twin.recording.joint_motion import distinct
 from tracerisk.twin.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -106,7 +107,7 @@ def visit_contacts(
     table: dict[tuple[int, str, str, bool], Contact] = {}
     for touch in run.touches:
         owner = owners[touch.moves][touch.steps]
-        for visit in np.unique(owner[owner >= 0]):
+        for visit in distinct(owner[owner >= 0]):
             own = owner == visit
             force = 0.0 if touch.force is None else float(touch.force[own].max())
             key = (int(visit), touch.link, touch.other, touch.expected)
@@ -153,7 +154,7 @@ def visit_payloads(
         element = holder if holder in grippers else moved_by(run.robot, holder)
         grip = activity[holder].grip if holder in grippers else np.zeros(run.n_steps)
         owner = np.where(flags, owners[element], -1)
-        for visit in np.unique(owner[owner >= 0]):
+        for visit in distinct(owner[owner >= 0]):
             force = grip[owner == visit]
             by_visit.setdefault(int(visit), []).append(
                 Payload(

@@ -9,6 +9,7 @@ the profile of the speed nor the lag of a servo decides how long a motion lasts.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 Flags = NDArray[np.bool_]
 Array = NDArray[np.float64]
 Steps = NDArray[np.intp]
+_Number = TypeVar("_Number", bound=np.number[Any])
 
 LEVER_M = 0.1  # what an angle of 1 rad is on a sliding joint: all bounds are scaled by it [m]
 
@@ -100,6 +102,17 @@ def runs(flags: Flags) -> tuple[Steps, Steps]:
     around[1:-1] = flags
     (edges,) = (around[1:] != around[:-1]).nonzero()
     return edges[::2], edges[1::2]
+
+
+def distinct(values: NDArray[_Number]) -> NDArray[_Number]:
+    """Return the different ones of some numbers, sorted.
+
+    So does `np.unique`, which imports the masked arrays of numpy for it.
+    """
+    ordered = np.sort(values, axis=None)
+    is_first = np.ones(len(ordered), dtype=np.bool_)
+    is_first[1:] = ordered[1:] != ordered[:-1]
+    return ordered[is_first]
 
 
 def _strokes(velocity: Array, way: Array, step_s: float) -> tuple[Flags, Array]:
