@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import fields
 from typing import Any
 
 from tracerisk.common.text.digests import sha256
-from tracerisk.common.text.plain_data import MismatchError, read_plain
+from tracerisk.common.text.plain_data import MismatchError, picked, read_plain
 from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.trace import Trace
@@ -41,9 +41,9 @@ def _without_places(value: Any) -> Any:
 
 def trace_data(trace: Trace) -> dict[str, Any]:
     """Return the trace as plain JSON values, schema and version with it."""
-    data = {"schema": SCHEMA, "version": VERSION, **asdict(trace)}
-    del data["replay"]  # kept beside it, for it is no text
-    return data
+    # The replay is kept beside it, for it is no text.
+    names = (field.name for field in fields(trace) if field.name != "replay")
+    return {"schema": SCHEMA, "version": VERSION, **picked(trace, *names)}
 
 
 def dumps(trace: Trace, *, indent: int | None = 1) -> str:

@@ -35,6 +35,8 @@ def picked(value: Any, *names: str) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
+    if value is None or isinstance(value, (str, int, float)):
+        return value
     if is_dataclass(value) and not isinstance(value, type):
         return picked(value, *(field.name for field in fields(value)))
     if isinstance(value, (list, tuple)):
