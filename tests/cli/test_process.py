@@ -397,6 +397,20 @@ def test_a_fault_tree_is_solved_without_what_few_model_files_hold(example):
     assert not loaded & (rare | HEAVY)
 
 
+RARE_IN_A_RUN = {
+    *("numpy.ma", "ctypes.util"),
+    *("tracerisk.instrument.native.binaries", "tracerisk.ros.drafts.drafting"),
+}
+"""What a run of Python that lacks nothing has no use for."""
+
+
+def test_a_run_loads_only_what_it_needs(example, two_steps):
+    example.write("controller.py", two_steps)
+    loaded = modules_of(example, LISTING.format(arguments=["run", "controller.py", "-q"]))
+    assert "tracerisk.pipeline.trace.run_trace" in loaded
+    assert not loaded & RARE_IN_A_RUN
+
+
 def test_no_verb_on_a_controller_loads_what_only_models_of_other_tools_need(annotated):
     calls = [
         "run controller.py",

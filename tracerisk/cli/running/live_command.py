@@ -10,7 +10,6 @@ from pathlib import Path
 
 from tracerisk.common.text.bounded import files_below, regular_file
 from tracerisk.errors import InputError
-from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.workspace.project import Project
@@ -51,6 +50,9 @@ def name_source(options: argparse.Namespace) -> None:
             f"{given} is neither a Python program nor the executable of a node, so what it runs is "
             f"not known; {remedy} -- {command}`"
         )
+
+    # What reads binaries loads `ctypes`, and few runs are given one.
+    from tracerisk.instrument.native.binaries import Binary
 
     file = Binary(program).file_of("main")
     if not file or not Path(file).is_file():

@@ -42,8 +42,7 @@ from tracerisk.pipeline.trace.run_files import (
 from tracerisk.pipeline.trace.run_trace import make_trace
 from tracerisk.pipeline.workspace.controller import lines_since
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.draft import Draft
-from tracerisk.ros.drafts.drafting import drafts_of
+from tracerisk.ros.drafts.draft import Draft, drafts_of
 from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.trace import RunEnd, Trace

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -83,3 +83,11 @@ class Draft:
     def section(self) -> str:
         """The section of the scenario that it belongs to."""
         return "drivers" if self.is_driver else SECTIONS[self.need.kind]
+
+
+def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
+    """Yield the drafts of which `data` are the fields, through JSON."""
+    for fields in data:
+        place = None if fields["location"] is None else Location(**fields["location"])
+        need, others = Need(**fields["need"]), tuple(fields["others"])
+        yield Draft(**{**fields, "need": need, "location": place, "others": others})

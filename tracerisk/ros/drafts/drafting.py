@@ -11,7 +11,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.literals.compared_values import (
     Compared,
 )
-from tracerisk.ros.controller.needs import Missed, Need
+from tracerisk.ros.controller.needs import Missed
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.drafts.drafted_entries import (
     BROUGHT_UP,
@@ -94,14 +94,6 @@ def move_aside(entry: dict[str, Any], places: int) -> None:
     """Move an object by some places, each wider than a drafted object."""
     entry["xyz"] = list(entry["xyz"])
     entry["xyz"][1] = round(entry["xyz"][1] + places * _BESIDE, 3)
-
-
-def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
-    """Yield the drafts of which `data` are the fields, through JSON."""
-    for fields in data:
-        place = None if fields["location"] is None else Location(**fields["location"])
-        need, others = Need(**fields["need"]), tuple(fields["others"])
-        yield Draft(**{**fields, "need": need, "location": place, "others": others})
 
 
 def _in_turn(draft: Draft, place: Location | None, interfaces: Any) -> Iterator[Draft]:
