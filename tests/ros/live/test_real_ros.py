@@ -48,3 +48,14 @@ def test_a_python_of_another_version_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(real_ros._NEEDED, 2, ("rclpy_of_nobody",))
     with pytest.raises(DependencyError, match=rf"{strange} has them for Python 3\.1, and"):
         real_ros.python_of_ros(2)
+
+
+def test_a_python_that_does_not_answer_is_named(tmp_path, monkeypatch):
+    silent = tmp_path / "python"
+    silent.write_text("#!/bin/sh\nexec tail -f /dev/null\n")
+    silent.chmod(0o755)
+    monkeypatch.setenv(real_ros.PYTHON_OF_RCLPY, str(silent))
+    monkeypatch.setattr(real_ros, "_ASK_S", 0.5)
+    monkeypatch.setitem(real_ros._NEEDED, 2, ("rclpy_of_nobody",))
+    with pytest.raises(DependencyError, match=rf"{silent} did not answer in 0\.5 s, and"):
+        real_ros.python_of_ros(2)

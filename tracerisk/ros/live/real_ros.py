@@ -52,8 +52,9 @@ _REMEDIES: dict[RosVersion, tuple[str, str]] = {
     ),
 }
 """What is needed of each version, and how to get it."""
-_ASK_S = 20.0
-_READY_S = 30.0
+_ASK_S = 120.0
+"""How long a Python may take to import what is needed, also on a busy machine."""
+_READY_S = 120.0
 _GRACE_S = 3.0
 
 
@@ -65,7 +66,7 @@ def python_of_ros(ros: RosVersion = 1) -> str:
         DependencyError: none has, or it is another version than that which runs tracerisk.
     """
     version = list(sys.version_info[:2])
-    strange = ""
+    strange: list[str] = []
     named = [os.environ.get(PYTHON_OF_RCLPY), shutil.which("python3")] if ros == 2 else []
     candidates = (*named, "/usr/bin/python3", shutil.which("python3"), sys.executable)
     for candidate in dict.fromkeys(candidates):
@@ -81,17 +82,19 @@ def python_of_ros(ros: RosVersion = 1) -> str:
                 check=True,
             )
             result, missing = json.loads(done.stdout)
+        except subprocess.TimeoutExpired:
+            strange.append(f"{candidate} did not answer in {_ASK_S:g} s, and ")
+            continue
         except (OSError, ValueError, subprocess.SubprocessError):
             continue
         if not missing and result == version:
             return candidate
         if not missing:
-            strange = f"{candidate} has them for Python {result[0]}.{result[1]}, and "
+            strange.append(f"{candidate} has them for Python {result[0]}.{result[1]}, and ")
     what, remedy = _REMEDIES[ros]
     raise DependencyError(
-        f"{what} needed, which no Python "
-        f"{version[0]}.{version[1]} here has; {strange}tracerisk runs under {sys.executable}. "
-        f"{remedy}"
+        f"{what} needed, which no Python {version[0]}.{version[1]} here has; {''.join(strange)}"
+        f"tracerisk runs under {sys.executable}. {remedy}"
     )
 
 
