@@ -276,8 +276,8 @@ def _of_argv(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[CommandL
     names = {word.name: index for index, word in words.items() if word.name}
     literals: dict[int, list[str]] = {}
     tables = _tables(tree)
-    for word, container in _looked_up(tree):
-        index = _argv_index(word)[0] or names.get(last_name(word), 0)
+    for looked_up, container in _looked_up(tree):
+        index = _argv_index(looked_up)[0] or names.get(last_name(looked_up), 0)
         value = tables.get(last_name(container)) or _value(container)
         values = value if isinstance(value, list | tuple) else [value]
         if index:
