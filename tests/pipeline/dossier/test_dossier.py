@@ -421,12 +421,11 @@ def with_own_hardware(example_in, quick, tmp_path_factory):
 
 
 def test_the_remedy_of_a_kept_run_that_was_edited_mends_it(example, quick):
-    law = "{reference_load: 0.05, wearing_share: 0.9, exponent: 3}"
     example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell.yaml"\n')
     example.write(
         "cell.yaml",
-        "source: data book\ncomponents:\n  motor: {failure_rate: {value: 1e-6, per: hour}, "
-        f"load_law: {law}, twin: {{joints: '*'}}}}\n",
+        "source: data book\ncomponents:\n"
+        "  motor: {probability: {value: 1e-6, per: demand, of: start}, twin: {joints: '*'}}\n",
     )
     example.write("controller.py", quick())
     dossier = ("report", "controller.py", "--dossier", "out.zip")
@@ -438,7 +437,7 @@ def test_the_remedy_of_a_kept_run_that_was_edited_mends_it(example, quick):
     trace = json.loads(path.read_bytes())
     for visit in trace["visits"]:
         for exposure in visit["exposures"].values():
-            exposure["wear"] = [wear / 100.0 for wear in exposure["wear"]]
+            exposure["starts"] = 0
     path.write_text(json.dumps(trace))
     refused = example.run(*dossier)
     assert refused.code == 2
