@@ -1,11 +1,18 @@
 """The published case study on a C++ controller: annotated from its log, checked, reviewed."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.pipeline.test_published_case import HARDWARE, LOG, PUBLISHED, printed
 from tracerisk.adder.sources.insert import insert_blocks
-from tracerisk.common import dependencies
+from tracerisk.common import dependencies, trace_json
+from tracerisk.common.traced.findings import Finding
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.errors import DependencyError
+from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.trace import LIVE
 
 pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")
 
@@ -157,9 +164,69 @@ def test_a_diff_says_what_a_change_does_to_the_risk(case):
     case.write("hardware.yaml", text.replace("7.344e-08", "7.344e-07"))
     assert case.run(*ANNOTATE).code == 0
     reported = case.run("diff", "HEAD")
-    assert "no verdict: C and C++ are not run" in reported.out
+    assert "no verdict: a log of C or C++ has none" in reported.out
     assert "cell.cpp: mission failure rises" in reported.out
     assert "through gripper" in " ".join(reported.out.split())
+
+
+FINDINGS = tuple(Finding("planning_failure", f"no plan to {name}") for name in ("pick", "place"))
+LOST = Reason("error-logged", "faulted", "it logged ERROR: lost a tube")
+
+
+@pytest.fixture
+def lived(case, short_trace):
+    """Return what annotates the case from a live run of its node with reasons for a verdict."""
+
+    def annotate(*reasons):
+        kind = reasons[0].verdict if reasons else "complete"
+        trace = replace(
+            short_trace,
+            assumptions=(LIVE, *short_trace.assumptions),
+            verdict=Verdict(kind, reasons),
+        )
+        text = trace_json.dumps(trace).replace('"pick_and_place.py"', '"cell.cpp"')
+        for name in ("init", "pick_position", "pick", "place_position", "place"):
+            text = text.replace(f'"name": "{name}"', f'"name": "Cell::{name}"')
+        case.write("live.json", text)
+        return case.run("annotate", "cell.cpp", "--trace", "live.json")
+
+    return annotate
+
+
+def test_a_diff_compares_the_verdicts_of_live_runs(case, lived):
+    assert lived().code == 0
+    case.commit()
+    assert lived(LOST).code == 0
+    reported = case.run("diff", "HEAD", "--max-increase", "0.1")
+    assert reported.code == 1
+    said = " ".join(reported.out.split())
+    assert said.startswith(f"faulted: {LOST}; ")
+    assert "cell.cpp was complete, is faulted; the two runs cannot be compared" in said
+    assert f"cell.cpp: its run is faulted: {LOST}; " in reported.err
+
+
+def test_a_log_takes_the_verdict_of_a_live_run_away_and_it_is_said(case, lived):
+    assert lived().code == 0
+    case.commit()
+    assert case.run(*ANNOTATE).code == 0
+    reported = case.run("diff", "HEAD", "--max-increase", "0.1")
+    assert reported.code == 1
+    given = "`tracerisk annotate cell.cpp --trace TRACE` of a live run gives it one"
+    assert f"the verdict of its run is unknown and was known before; {given}" in reported.err
+    assert given in " ".join(reported.out.split())
+
+
+def test_a_run_that_commanded_nothing_names_the_live_command_that_shows_more(case, short_trace):
+    controller = load_controller(case.folder / "cell.cpp")
+    said = str(nothing_commanded(replace(short_trace, findings=FINDINGS), controller))
+    assert "(and 1 more, which `tracerisk trace " in said
+    assert "cell.cpp --live -- COMMAND` prints)" in said
+
+
+def test_the_trace_of_a_run_that_was_stuck_names_the_command_of_another(lived):
+    refused = lived(Reason("run-died", "stuck", "./cell was ended by SIGABRT"))
+    assert refused.code == 2
+    assert "`tracerisk trace cell.cpp -o live.json --live -- COMMAND` makes another" in refused.err
 
 
 def test_a_log_whose_short_name_fits_several_functions_is_refused(case):

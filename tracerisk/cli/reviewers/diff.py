@@ -23,7 +23,7 @@ from tracerisk.pipeline.review.textconv import textconv
 from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
-from tracerisk.report.diff.sentences import not_assessed, whole_headline
+from tracerisk.report.diff.sentences import not_assessed, runs_again, whole_headline
 from tracerisk.report.diff.text import render_diff
 from tracerisk.report.diff.titled_lists import is_asked_less, looks_at_less
 from tracerisk.report.diff.wording import first_of
@@ -207,10 +207,11 @@ def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     elif diff.verdicts is not None and diff.before is not None and diff.after is not None:
         texts.append(
             "what the mission brings about is not known of both versions; "
-            f"`tracerisk refresh {diff.name}` runs it, and --no-outcome-change"
+            f"{runs_again(diff)} says it, and --no-outcome-change"
         )
-    # What C and C++ bring about is never known.
-    if diff.stale and diff.after is not None and not is_c(diff.name):
+    # No log says what C and C++ bring about.
+    is_log = is_c(diff.name) and diff.verdicts is None
+    if diff.stale and diff.after is not None and not is_log:
         texts.append(f"{not_assessed(diff)}; --no-outcome-change")
     return [f"{diff.name}: {text}" for text in texts]
 
@@ -219,8 +220,8 @@ def _bad_run(diff: RiskDiff) -> str | None:
     """Return why no limit can be held against the newer figure; `None` where one can."""
     verdicts = diff.verdicts if diff.verdicts is not None and diff.verdicts.in_after else None
     if verdicts is not None and verdicts.after is None and verdicts.before is not None:
-        refresh = f"`tracerisk refresh {diff.name}` gives it one"
-        return f"the verdict of its run is unknown and was known before; {refresh}"
+        given = f"{runs_again(diff)} gives it one"
+        return f"the verdict of its run is unknown and was known before; {given}"
     if diff.stale:
         return not_assessed(diff)
     if verdicts is None or verdicts.after is None or not verdicts.after.is_bad:

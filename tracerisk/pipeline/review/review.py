@@ -242,15 +242,10 @@ def difference(
     verdicts = None
     names = {**_renamed_without_block(controller, renamed), **renamed}
     has_lock = controller.before.entry is not None or controller.after.entry is not None
-    # C and C++ are not run: there is no verdict that could part two versions.
-    if has_lock and not is_c(controller.name):
-        verdicts = RunVerdicts(
-            version_verdict(controller.before),
-            version_verdict(controller.after),
-            before is not None,
-            after is not None,
-            names,
-        )
+    was, now = version_verdict(controller.before), version_verdict(controller.after)
+    # A log of C or C++ has no verdict; a live run of its node has one.
+    if has_lock and (was or now or not is_c(controller.name)):
+        verdicts = RunVerdicts(was, now, before is not None, after is not None, names)
     asked = _asked(controller)
     outcome = outcome_changes(controller, before is not None and after is not None)
     changes_of_run = run_changes(controller.before, controller.after, names)

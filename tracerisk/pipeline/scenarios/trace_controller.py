@@ -120,7 +120,9 @@ def nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedE
     # What went wrong says more than what was assumed before it.
     first = min(trace.findings, key=lambda finding: finding.kind in _NO_FAILURE)
     more = len(trace.findings) - 1
-    also = f" (and {more} more, which `tracerisk trace {controller.path}` prints)" if more else ""
+    live = "" if controller.is_python else " --live -- COMMAND"
+    again = f"`tracerisk trace {controller.path}{live}`"
+    also = f" (and {more} more, which {again} prints)" if more else ""
     location = first.location
     place = (
         None if location is None else replace(location, file=str(controller.path_of(location.file)))

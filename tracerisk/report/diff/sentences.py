@@ -88,10 +88,7 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
     old = verdicts.before.kind if verdicts.before else "unknown"
     new = verdicts.after.kind if verdicts.after else "unknown"
     if verdicts.after is None and verdicts.in_after:
-        text = (
-            f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh {diff.name}` "
-            "gives it one"
-        )
+        text = f"{diff.name}: the verdict of its run is unknown; {runs_again(diff)} gives it one"
     elif new in ("faulted", "stuck") or verdicts.does_less:
         reasons = verdicts.after.deciding_reasons if verdicts.after else ()
         # A lock that was edited by hand may keep a verdict without a reason.
@@ -281,6 +278,13 @@ def not_assessed(diff: RiskDiff) -> str:
 def _old_figure(diff: RiskDiff, figure: float) -> str:
     """Return what the blocks give that are not those of a run; nothing if that run went wrong."""
     return "" if diff.refused else f"its blocks give {probability(figure)}; "
+
+
+def runs_again(diff: RiskDiff) -> str:
+    """Return the command that gives the later version a run with a verdict, which no log has."""
+    if is_c(diff.name):
+        return f"`tracerisk annotate {diff.name} --trace TRACE` of a live run"
+    return f"`tracerisk refresh {diff.name}`"
 
 
 def _remedy(diff: RiskDiff) -> str:

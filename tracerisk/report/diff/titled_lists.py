@@ -90,7 +90,7 @@ def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
             continue
         name = "" if len(review.controllers) == 1 else f"{diff.name}: "
         if diff.verdicts is None:
-            lines += [f"{name}no verdict: C and C++ are not run"] if is_c(diff.name) else []
+            lines += [f"{name}no verdict: a log of C or C++ has none"] if is_c(diff.name) else []
             continue
         if not diff.verdicts.in_after:
             lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
