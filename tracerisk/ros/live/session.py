@@ -37,7 +37,8 @@ from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 
 STEP_NS = 2_000_000
 """By how much the clock moves at once [ns]."""
-_POLL_S = 0.0005
+_POLL_S, _LONGEST_POLL_S = 0.0005, 0.004
+_QUICK_POLLS = 8
 _PATIENCE_NS = 50_000_000
 _STUCK_S = 60.0
 _ANSWER_S = 5.0
@@ -45,6 +46,14 @@ _RELAYS: dict[RosVersion, str] = {
     1: "tracerisk.ros.live.relay",
     2: "tracerisk.ros.live.ros2.relay",
 }
+
+
+def poll_s(polls: int) -> float:
+    """Return how long to wait before a node is looked at once more [s], after so many in vain.
+
+    Looking takes the processor's time, which is short where a node waits for its turn.
+    """
+    return min(_POLL_S * max(1, polls // _QUICK_POLLS), _LONGEST_POLL_S)
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,9 +187,10 @@ class Session:
         Raises:
             LimitError: the controller computes, or waits for the disk, for too long.
         """
-        began = time.monotonic()
+        began, polls = time.monotonic(), 0
         while True:
             came = self._take()
+            polls = 0 if came else polls + 1
             if self.controller is not None and self.controller.is_closed:
                 return False
             if self.relay.is_closed:
@@ -200,7 +210,7 @@ class Session:
                     f"the controller has computed for {_STUCK_S:g} s without a message, a call "
                     "or a wait; a live run moves on only while it waits"
                 )
-            self._wait(_POLL_S)
+            self._wait(poll_s(polls))
 
     def wait_wall(self, seconds: float) -> None:
         """Wait for some wall time, or less where something comes."""
