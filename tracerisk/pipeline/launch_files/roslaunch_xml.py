@@ -258,11 +258,7 @@ class _Reader:
         try:
             if "file" in attributes:
                 path = Path(texts.of(attributes["file"]))
-                # A run depends on a file that is not there, too: it may come.
-                self.sources.append(path)
-                if not path.exists():
-                    self.missing.append((str(element.location), path))
-                text = read_text(path)
+                text = self._loaded(path, element)
             else:
                 text = element.text
             if attributes.get("subst_value", "").lower() in ("true", "1"):
@@ -276,6 +272,18 @@ class _Reader:
         if not isinstance(value, dict) and not given:
             raise RoslaunchError("holds a value without a name; give it 'param'")
         self._set(name, value)
+
+    def _loaded(self, path: Path, element: XmlElement) -> str:
+        try:
+            text = read_text(path)
+        except ParameterTextError as error:
+            if isinstance(error.__cause__, FileNotFoundError):
+                # A run depends on a file that is not there, too: it may come.
+                self.sources.append(path)
+                self.missing.append((str(element.location), path))
+            raise
+        self.sources.append(path)
+        return text
 
     def _full_name(self, name: str, scope: _Scope) -> str:
         """Return the global name of a parameter: within a node all are its own."""
