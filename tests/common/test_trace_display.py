@@ -142,3 +142,10 @@ def test_showing_a_trace_imports_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
     assert done.stdout.decode().strip() == "[]"
+
+
+def test_a_command_in_an_assumption_names_the_file_as_the_trace_does():
+    said = "drafted: 1 value; `tracerisk scenario src/a.py --write` writes it, as src/a.py asks"
+    bare = Trace("src/a.py", "", "", RunEnd("ended", "", 1.0), (), (), (), assumptions=(said,))
+    typed = bare.with_files(lambda file: f"../{file}")
+    assert "`tracerisk scenario ../src/a.py --write`" in typed.assumptions[0]

@@ -232,7 +232,7 @@ def _moves(
     gave = tuple(sorted(then.keys() - now.keys() - {ref}))
     moved = MovedUse(ref, component, owned, now.get(ref, ""), took, gave)
     if ref not in then:
-        # Set for a use that tracerisk did not see: nothing can be told of it.
+        # Set for a use that tracerisk did not see: nothing is known of it.
         return
     if owned.value == OMITTED and not took:
         return

@@ -37,7 +37,7 @@ def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Ite
     something where the same call did so at another time in the run; or, in a run that never
     holds anything although the user gave it something to grasp, where the arm had moved with
     the gripper open. The controller went on as if it held where the arm then moves and the gripper
-    opens, or is told to by a call that let go of something before: it may have opened already,
+    opens, or is commanded to by a call that let go of something before: it may have opened already,
     where it closed on nothing.
     """
     closing = [issued_command for issued_command in commands if issued_command.grip == "closes"]
