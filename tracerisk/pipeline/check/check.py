@@ -14,7 +14,6 @@ from tracerisk.adder.blocks.values import has_pins
 from tracerisk.adder.lock.digest import is_as_written
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
-from tracerisk.adder.merge.owned import moved_in
 from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -290,6 +289,10 @@ def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterabl
 
 def _moved(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
     """Yield the values set by hand for what their functions do no more, or not alone."""
+    if not entry.owned:
+        return
+    from tracerisk.adder.merge.owned import moved_in
+
     blocks = {
         FunctionRef(source.file, placed.function): placed.block
         for source in sources

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tracerisk.common.hardware.source_files import describes_hardware
 from tracerisk.common.text.bounded import file_bytes, in_folder
 from tracerisk.config import Settings, from_here
 from tracerisk.errors import TraceRiskError
@@ -45,6 +44,8 @@ def unread_hardware(project: Project, settings: Settings | None = None) -> tuple
 
 
 def _is_description(path: Path) -> bool:
+    from tracerisk.common.hardware.source_files import describes_hardware  # few checks come here
+
     try:
         return describes_hardware(file_bytes(path))
     except (OSError, TraceRiskError):
