@@ -39,6 +39,12 @@ def traced(folder, name, capfd, live_speed, **given):
     return trace, "".join(capfd.readouterr())
 
 
+def skip_without(python, package):
+    asked = subprocess.run([python, "-c", f"import {package}.action"], capture_output=True)
+    if asked.returncode:
+        pytest.skip(f"the installed ROS 2 has no {package}")
+
+
 @pytest.mark.parametrize("name", ["awaited", "callbacks", "topics_and_services"])
 def test_a_program_does_the_same_under_real_rclpy(name, tmp_path, capfd):
     live, printed = traced(tmp_path, name, capfd, 1.0)
@@ -53,9 +59,7 @@ def test_a_program_does_the_same_under_real_rclpy(name, tmp_path, capfd):
 
 
 def test_move_group_is_served_with_its_kinematics_and_scene(tmp_path, capfd, real_rclpy):
-    has_messages = [real_rclpy, "-c", "import moveit_msgs.action"]
-    if subprocess.run(has_messages, check=False, capture_output=True).returncode:
-        pytest.skip("the installed ROS 2 has no moveit_msgs")
+    skip_without(real_rclpy, "moveit_msgs")
     live, printed = traced(tmp_path, "move_group", capfd, 1.0)
     twin, also_printed = traced(tmp_path, "move_group", capfd, None)
     assert logged(printed) == logged(also_printed)
@@ -66,7 +70,8 @@ def test_move_group_is_served_with_its_kinematics_and_scene(tmp_path, capfd, rea
     assert "NO_IK_SOLUTION" in reason.message
 
 
-def test_what_fails_is_said_as_on_the_stand_ins(tmp_path, capfd):
+def test_what_fails_is_said_as_on_the_stand_ins(tmp_path, capfd, real_rclpy):
+    skip_without(real_rclpy, "example_interfaces")
     live, printed = traced(tmp_path, "failing", capfd, 1.0)
     twin, also_printed = traced(tmp_path, "failing", capfd, None)
     assert logged(printed) == logged(also_printed)
