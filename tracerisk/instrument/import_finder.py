@@ -16,7 +16,7 @@ from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import CodeType, ModuleType
 
-from tracerisk.common.sandbox.python_here import foreign_folders
+from tracerisk.common.settings.python_here import foreign_folders
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.loader import ON_DISK, compile_file
 from tracerisk.instrument.python_2.loader import ConvertingLoader
@@ -94,7 +94,7 @@ class ControllerFinder(MetaPathFinder):
             # Return it here: the other finder for this name serves only its interfaces and would
             # not look in this folder.
             spec.loader = ConvertingLoader(fullname, spec.origin)
-            return spec if top in self._packages or not self._is_installed(spec.origin) else None
+            return spec if top in self._packages else None
         return spec_from_file_location(
             fullname,
             spec.origin,

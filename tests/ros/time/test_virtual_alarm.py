@@ -55,6 +55,7 @@ def test_bad_values_are_refused_as_by_the_real_ones(run):
     run(main)
 
 
+@pytest.mark.timeout(method="thread")  # the limit of a test is such a timer, too
 def test_threads_of_others_have_the_real_timers(run):
     real = signal.getitimer
     run(lambda: None)

@@ -10,7 +10,7 @@ from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.evidence import EVIDENCE_NAME
-from tracerisk.common.sandbox.python_here import CHANGED_PYTHON
+from tracerisk.common.settings.python_here import CHANGED_PYTHON
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.source.code_digest import code_digest

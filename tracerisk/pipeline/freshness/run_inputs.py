@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.common.sandbox.python_here import CHANGED_PYTHON, changed_python
+from tracerisk.common.settings.python_here import CHANGED_PYTHON, changed_python
 from tracerisk.common.settings.settings_file import names_file
 from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.common.text.digests import sha256

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.hardware.source_files import has_sysml_name
-from tracerisk.common.sandbox.python_here import CHANGED_PYTHON
+from tracerisk.common.settings.python_here import CHANGED_PYTHON
 from tracerisk.common.settings.settings_file import loads_toml
 from tracerisk.config import Settings
 from tracerisk.errors import Location, SettingsError, TraceRiskError

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk import errors
 from tracerisk.common import dependencies
 from tracerisk.common.sandbox.process import import_paths, regular_within
-from tracerisk.common.sandbox.python_here import changed_python
+from tracerisk.common.settings.python_here import changed_python
 from tracerisk.common.worlds.world import NOMINAL
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from tracerisk.common.sandbox.files.noted_reads import NotedReads
-from tracerisk.common.sandbox.python_here import foreign_folders
+from tracerisk.common.settings.python_here import foreign_folders
 from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import Location
 from tracerisk.instrument.recorder import Recorder
