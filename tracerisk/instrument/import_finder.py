@@ -112,10 +112,6 @@ class ControllerFinder(MetaPathFinder):
     def _is_unknown(self, name: str) -> bool:
         return name not in self._shared and name not in sys.stdlib_module_names
 
-    def _is_installed(self, file: Path | str) -> bool:
-        path = Path(file).resolve()
-        return any(path.is_relative_to(folder) for folder in self._foreign)
-
     def is_own(self, file: Path) -> bool:
         """Return whether a file is the controller's own source."""
         resolved = file.resolve()
@@ -123,7 +119,7 @@ class ControllerFinder(MetaPathFinder):
             return False
         if _INSTALLED.intersection(resolved.relative_to(self._root).parts):
             return False
-        return not self._is_installed(resolved)
+        return not any(resolved.is_relative_to(folder) for folder in self._foreign)
 
 
 @contextlib.contextmanager

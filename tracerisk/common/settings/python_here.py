@@ -11,7 +11,7 @@ from tracerisk.common.text.digests import sha256
 
 CHANGED_PYTHON = "changed_python"
 """The name under which the lock keeps `changed_python()`, among the settings of a run."""
-_AT_START = ("sitecustomize", "usercustomize")
+_OF_PYTHON = frozenset({"sitecustomize", "usercustomize", *sys.stdlib_module_names})
 
 
 def foreign_folders() -> tuple[Path, ...]:
@@ -33,8 +33,8 @@ def changed_python() -> list[str]:
     """
     own = f"{Path(os.__file__).parent}{os.sep}"
     files = (
-        (name, getattr(sys.modules.get(name), "__file__", None))
-        for name in sorted({*_AT_START, *sys.stdlib_module_names})
+        (name, getattr(sys.modules[name], "__file__", None))
+        for name in sorted(_OF_PYTHON & sys.modules.keys())
     )
     strange = [(name, Path(file)) for name, file in files if file and not file.startswith(own)]
     if not strange:

@@ -293,15 +293,18 @@ def _moved(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[
         return
     from tracerisk.adder.merge.owned import moved_in
 
-    blocks = {
+    shown = {source.file: source.shown for source in sources}
+    for moved, component in moved_in(entry, _blocks(sources)):
+        place = component.location or Location(shown[moved.ref.file])
+        yield CheckFinding("moved", f"{moved.message}; {moved.remedy}", place, moved.path)
+
+
+def _blocks(sources: Sequence[CheckedSource]) -> dict[FunctionRef, RiskBlock]:
+    return {
         FunctionRef(source.file, placed.function): placed.block
         for source in sources
         for placed in source.placed
     }
-    shown = {source.file: source.shown for source in sources}
-    for moved, component in moved_in(entry, blocks):
-        place = component.location or Location(shown[moved.ref.file])
-        yield CheckFinding("moved", f"{moved.message}; {moved.remedy}", place, moved.path)
 
 
 def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict | None:
@@ -337,11 +340,7 @@ def _of_model(
     What a refresh kept counts as computed. Blocks that are the tool's word alone were a model when
     they were written; they need no solving again.
     """
-    placed = {
-        FunctionRef(source.file, one.function): one.block
-        for source in sources
-        for one in source.placed
-    }
+    placed = _blocks(sources)
     if not placed or (not limits and _are_as_written(entry, placed)):
         return
     from tracerisk.prm.hybrid.from_blocks import build_model

@@ -25,7 +25,6 @@ from tracerisk.ros.drafts.said_around import lines_with
 from tracerisk.trace import RunEnd
 
 _OF_ARGUMENTS = re.compile(r"arg")
-_OF_NONE = re.compile(r"NoneType")
 _NUMBERS = ("float", "int")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
 _JOINTS = re.compile(r"joint|angle|^q$|posture")
@@ -55,7 +54,7 @@ def reads_arguments(controller: Controller, end: RunEnd) -> bool:
         text = controller.source_of(place.file).decode(errors="replace")
     except TraceRiskError:
         return False
-    if _OF_NONE.search(end.message) and "add_argument" in text:
+    if "NoneType" in end.message and "add_argument" in text:
         # An option of argparse that is not given is None, wherever that is used.
         return True
     lines = text.splitlines()
