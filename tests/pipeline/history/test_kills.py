@@ -114,11 +114,15 @@ def test_a_kill_leaves_each_file_old_or_new_and_the_next_run_heals_the_rest(
     assert os.waitpid(start("refresh"), 0)[1] == 0
     whole = time.monotonic() - began
     before, was_running, mixed = sources(), 0, 0
-    for number in range(1, kills + 1):
+    for number in range(1, 10 * kills + 1):
         # No two in a row are near enough to be noise.
         figure = f"{(11 + 7 * number % 89) / 10:g}e-08"
         set_figure(figure)
-        was_running += kill_after(start("refresh"), chance.uniform(0, whole))
+        if kill_after(start("refresh"), chance.uniform(0, whole)):
+            was_running += 1
+        else:
+            # The first one was slower, on a busy machine.
+            whole *= 0.9
         after, new = sources(), with_figure(template, "FIGURE", figure)
         is_new = {name: after[name] == new[name] for name in after}
         assert all(is_new[name] or after[name] == before[name] for name in after)
@@ -133,9 +137,10 @@ def test_a_kill_leaves_each_file_old_or_new_and_the_next_run_heals_the_rest(
             lock = json.loads(Path("tracerisk.lock").read_bytes())
             assert not [name for name, each in lock["controllers"].items() if "previous" in each]
             assert [path for path in Path().iterdir() if path.suffix == ".tmp"] == []
-    # Else the kills came too late, or too early, to show anything.
-    assert was_running > kills / 2
-    assert mixed > kills / 4
+            if number >= kills and was_running > kills / 2 and mixed > kills / 4:
+                break
+    else:
+        pytest.fail(f"of {number} kills, {was_running} hit a refresh and {mixed} hit its writes")
 
 
 def test_two_refreshes_at_once_leave_what_one_would(project) -> None:
