@@ -525,9 +525,35 @@ class History:
         return found is not None and found[1] in self.typed.targets - set(self.names())
 
     def findings(self) -> list[str]:
-        """Return what check finds that a refresh would mend."""
+        """Return what check finds that a refresh would mend, or that is not true."""
         found = check_controller(self.folder / self.main, Projects()).findings
-        return [str(each) for each in found if each.kind != "unknown"]
+        return [
+            str(finding)
+            for finding in found
+            if finding.kind != "unknown"
+            and not (finding.kind == "moved" and self._has_moved(finding.message))
+        ]
+
+    def _has_moved(self, message: str) -> bool:
+        """Return whether the code is such that a value by hand is not for what is done there."""
+        said = re.match(
+            r"(\w+) is .* in (\w+) for .*, now (\S+)\)(?:, and (.+) took over)?"
+            r"(?:.*, and what (.+) did with it)?",
+            message,
+        )
+        assert said is not None, message
+        component, name, now, took, gave = said.groups(default="")
+        users = {
+            user
+            for user, used in re.findall(
+                r"Function:(\w+).*\nActiveComponents:(.*)", self.computed_log()
+            )
+            if component in used.split(",")
+        }
+        if (now == "none") != (name not in users):
+            return False
+        new, left = (set(names.split(", ")) - {""} for names in (took, gave))
+        return name not in users or (new | left != set() and new <= users and not left & users)
 
     def keeps_pins(self, before: str, after: str) -> None:
         def held(text: str) -> set[str]:
