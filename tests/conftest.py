@@ -92,6 +92,9 @@ def quick_controller(*statements: str) -> str:
     return QUICK.replace("ACT", "\n    ".join(statements or ("pass",)))
 
 
+SLOW_S = 3600
+"""After this time a slow test has hung [s]; others have the limit of `pyproject.toml`."""
+
 LONGEST = ("test_benchmarks.py", "test_replay_browser.py")
 """Files that begin first, each on a core of its own, so that no core waits for them at the end."""
 
@@ -100,6 +103,9 @@ LONGEST = ("test_benchmarks.py", "test_replay_browser.py")
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Choose the quick cases, and order all as every worker does, whichever folder came first."""
     slow.take_some(items, config.getoption("--share"))
+    for item in items:
+        if item.get_closest_marker("slow") is not None:
+            item.add_marker(pytest.mark.timeout(SLOW_S))
     items.sort(key=lambda item: (item.path.name not in LONGEST, item.path))
 
 
