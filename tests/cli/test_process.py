@@ -448,6 +448,17 @@ def test_verbs_without_a_simulation_import_no_simulator_and_no_libcst(call, anno
     assert not HEAVY & modules
 
 
+def test_a_run_of_sources_that_are_found_before_loads_no_libcst(example, quick):
+    helper = "import sys\n\n\ndef loaded():\n    return 'libcst' in sys.modules\n"
+    example.write("helper.py", helper)
+    example.write("controller.py", quick("import helper", "print('libcst', helper.loaded())"))
+    (example.folder / "tmp").mkdir()
+    with started(example, "run", "controller.py", is_afresh=True) as process:
+        shown = b"".join(process.communicate())
+    assert process.returncode == 0
+    assert b"libcst False" in shown
+
+
 NOT_FOR_CHECK = {
     *("asyncio", "concurrent", "ctypes", "email", "http", "importlib.metadata", "logging"),
     *("multiprocessing", "numpy", "platform", "rich", "ruamel", "socket", "ssl", "subprocess"),

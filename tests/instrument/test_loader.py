@@ -14,7 +14,13 @@ import pytest
 
 from tracerisk.errors import InputError, Location, SourceError
 from tracerisk.instrument.hidden_frames import hidden_frames
-from tracerisk.instrument.loader import prepared_controller, run_controller
+from tracerisk.instrument.loader import (
+    Sources,
+    prepared_controller,
+    run_controller,
+    source_key,
+)
+from tracerisk.instrument.marks.decorators import instrument_source
 from tracerisk.instrument.tracer import Tracer
 
 Run = Callable[[str], Any]
@@ -208,3 +214,14 @@ def test_thread_failure_is_shown_without_frames_of_ours(
     shown = capsys.readouterr().err
     assert "ValueError: in a thread" in shown
     assert "tracerisk" not in shown
+
+
+def test_a_text_that_was_instrumented_before_stands_for_that_source_alone() -> None:
+    source, other = b"def f():\n    pass\n", b"def g():\n    pass\n"
+    text = instrument_source(source, "c.py").text + "\n\n"
+    sources = Sources(instrumented={source_key("c.py", source): text})
+    assert sources.instrument("c.py", source).text == text
+    for file, changed in (("c.py", other), ("d.py", source)):
+        anew = sources.instrument(file, changed)
+        assert anew == instrument_source(changed, file)
+        assert anew.original == changed

@@ -18,7 +18,7 @@ from types import CodeType, ModuleType
 
 from tracerisk.common.settings.python_here import foreign_folders
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.instrument.loader import ON_DISK, compile_file
+from tracerisk.instrument.loader import ON_DISK, Sources, compile_file
 from tracerisk.instrument.python_2.loader import ConvertingLoader
 from tracerisk.instrument.tracer import Tracer
 
@@ -35,8 +35,7 @@ class ControllerFinder(MetaPathFinder):
     controller has a real Python package of that name (a mere script may share its name with the
     messages it uses). `elsewhere` is asked last: for the folder of a module that is nowhere on the
     path.
-    `is_library` returns whether a file below the root is library code. `replaced` maps files below
-    the root to the bytes that are compiled in the place of what they hold.
+    `is_library` returns whether a file below the root is library code.
     """
 
     def __init__(
@@ -49,7 +48,7 @@ class ControllerFinder(MetaPathFinder):
         shared: Collection[str] = (),
         elsewhere: Callable[[str], Path | None] = lambda _: None,
         is_library: Callable[[Path], bool] = lambda _: False,
-        replaced: Mapping[str, bytes] = ON_DISK,
+        sources: Sources = ON_DISK,
     ) -> None:
         self._tracer = tracer
         self._root = root.resolve()
@@ -58,7 +57,7 @@ class ControllerFinder(MetaPathFinder):
         self._shared = frozenset(shared)
         self._elsewhere = elsewhere
         self._is_library = is_library
-        self._replaced = replaced
+        self._sources = sources
         self._foreign = foreign_folders()
 
     def find_spec(
@@ -104,7 +103,7 @@ class ControllerFinder(MetaPathFinder):
                 self._tracer,
                 self._root,
                 is_library=self._is_library(Path(spec.origin)),
-                replaced=self._replaced,
+                sources=self._sources,
             ),
             submodule_search_locations=spec.submodule_search_locations,
         )
@@ -148,23 +147,23 @@ class _TracedLoader(SourceFileLoader):
         root: Path,
         *,
         is_library: bool,
-        replaced: Mapping[str, bytes],
+        sources: Sources,
     ) -> None:
         super().__init__(fullname, path)
         self._is_library = is_library
         self._tracer = tracer
         self._root = root
-        self._replaced = replaced
+        self._sources = sources
 
     def get_code(self, fullname: str) -> CodeType:
         path = Path(self.get_filename(fullname))
-        return compile_file(path, self._root, replaced=self._replaced)[0]
+        return compile_file(path, self._root, sources=self._sources)[0]
 
     @hide
     def exec_module(self, module: ModuleType) -> None:
         path = Path(self.get_filename(module.__name__))
         on_source = None if self._is_library else self._tracer.on_source
-        code, file = compile_file(path, self._root, on_source, self._replaced)
+        code, file = compile_file(path, self._root, on_source, self._sources)
         # There is no bytecode file, and without one Python sets no `__cached__`.
         module.__dict__.pop("__cached__", None)
         self._tracer.run_module(code, module.__dict__, file, is_library=self._is_library)

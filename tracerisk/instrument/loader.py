@@ -6,9 +6,11 @@ import contextlib
 import linecache
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import CodeType, MappingProxyType, ModuleType
+from types import CodeType, ModuleType
 
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import controller_root
@@ -16,22 +18,50 @@ from tracerisk.errors import InputError, Location
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
 from tracerisk.instrument.marks.caught_exceptions import suppressed_reported
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.instrument.transform import TRACER_MODULE, compile_instrumented, instrument_source
+from tracerisk.instrument.transform import (
+    TRACER_MODULE,
+    InstrumentedSource,
+    compile_instrumented,
+)
 
-ON_DISK: Mapping[str, bytes] = MappingProxyType({})
-"""No source is replaced: all are what the files hold."""
+
+def source_key(file: str, source: bytes) -> str:
+    """Return the name under which a source is kept once it is instrumented."""
+    return f"{sha256(source).hexdigest()} {file}"
+
+
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """The sources that are compiled, by their names below the controller's root."""
+
+    replaced: Mapping[str, bytes] = field(default_factory=dict)
+    """What is compiled in the place of what the file of a name holds."""
+    instrumented: Mapping[str, str] = field(default_factory=dict)
+    """Texts that were instrumented before, by `source_key`: without them, libcst is imported."""
+
+    def instrument(self, file: str, source: bytes) -> InstrumentedSource:
+        """Return the source with its decorators; raises as `instrument_source`."""
+        text = self.instrumented.get(source_key(file, source))
+        if text is not None:
+            return InstrumentedSource(file, source, text)
+        from tracerisk.instrument.marks.decorators import instrument_source
+
+        return instrument_source(source, file)
+
+
+ON_DISK = Sources()
+"""All sources are what the files hold."""
 
 
 def compile_file(
     path: Path,
     root: Path,
     on_source: Callable[[str, bytes], None] | None = None,
-    replaced: Mapping[str, bytes] = ON_DISK,
+    sources: Sources = ON_DISK,
 ) -> tuple[CodeType, str]:
     """Instrument and compile the file at `path`; return the code and its name below `root`.
 
-    `on_source` is called with that name and the bytes that were compiled. `replaced` maps such
-    names to the bytes that are compiled in the place of what the file holds.
+    `on_source` is called with that name and the bytes that were compiled.
 
     Raises:
         InputError: there is no such file, or it cannot be read.
@@ -46,8 +76,8 @@ def compile_file(
             Location(str(path)),
         ) from error
     file = file_below(path, root)
-    source = replaced.get(file, source)
-    code = compile_instrumented(instrument_source(source, file), str(path))
+    source = sources.replaced.get(file, source)
+    code = compile_instrumented(sources.instrument(file, source), str(path))
     if on_source is not None:
         on_source(file, source)
     return code, file
@@ -84,13 +114,13 @@ def prepared_controller(
     *,
     root: Path | None = None,
     entry: str | None = None,
-    replaced: Mapping[str, bytes] = ON_DISK,
+    sources: Sources = ON_DISK,
 ) -> Iterator[Callable[[], None]]:
     """Compile the file at `path`; yield the function that runs it once as `__main__`, traced.
 
     `argv` are the arguments after the script's name; `root` is `controller_root(path)` unless
     given. `entry` names a function of the file that is called afterwards, as the wrapper of an
-    installed command does; its result is the exit status. `replaced` is as in `compile_file`.
+    installed command does; its result is the exit status.
     What the controller raises passes through, `SystemExit` too.
     Until closed, `sys.argv`, `sys.path`, `__main__` and the recursion limit are the controller's,
     and tracerisk's frames are hidden: threads and callbacks that outlive the module-level code need
@@ -101,7 +131,7 @@ def prepared_controller(
     """
     script = Path(path).absolute()
     root = controller_root(script) if root is None else root
-    code, file = compile_file(script, root, tracer.on_source, replaced)
+    code, file = compile_file(script, root, tracer.on_source, sources)
     tracer.add_file(code.co_filename, file)
     with _program(script, tracer, argv) as module, hidden_frames():
 

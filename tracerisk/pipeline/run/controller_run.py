@@ -25,6 +25,9 @@ from tracerisk.common.sandbox.process import (
 )
 from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
+from tracerisk.errors import TraceRiskError
+from tracerisk.instrument.loader import file_below, source_key
+from tracerisk.instrument.marks.decorators import instrument_source
 from tracerisk.pipeline.run.child_output import PassingOn, stopped_at
 from tracerisk.pipeline.run.ended_run import (
     PLAIN,
@@ -45,6 +48,7 @@ from tracerisk.pipeline.trace.run_files import (
     WallTime,
 )
 from tracerisk.pipeline.workspace.driver_files import driver_files
+from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.prefixes import readable_of
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
@@ -227,12 +231,33 @@ def run_request(
         branches = () if request.plan is None else request.plan.writable
         writes = (str(folder), str(written), *branches, *settings.writable)
         request = replace(request, written=str(written), writable=writes)
+    if request.live_speed is None:
+        request = replace(request, instrumented=_instrumented(controller))
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if options.progress is not None:
         options.progress(_STARTING, 0.0)
     process_end = _run_child(request, settings, options, watch or _watch)
     done = ended_run(controller, robot, settings, request, process_end, options)
     return replace(done, request=asked_for)
+
+
+def _instrumented(controller: Controller) -> dict[str, str]:
+    """Return the instrumented texts of what the run may compile, so that it needs no libcst.
+
+    What cannot be instrumented is left to the run, which fails where it is imported.
+    """
+    root = controller.root.resolve()
+    modules = (path for path in own_modules(controller) if path.is_relative_to(root))
+    sources = {file_below(path, root): source_bytes(path) for path in modules}
+    texts = {}
+    for file, source in {
+        **sources,
+        **controller.others,
+        controller.file: controller.source,
+    }.items():
+        with contextlib.suppress(TraceRiskError):
+            texts[source_key(file, source)] = instrument_source(source, file).text
+    return texts
 
 
 def _font_lists() -> list[Path]:

@@ -263,6 +263,8 @@ class RunRequest:
     replaced: Mapping[str, str] = field(default_factory=dict)
     """The sources that are compiled instead of files below the root, as Latin-1 text of their
     bytes, by path."""
+    instrumented: Mapping[str, str] = field(default_factory=dict)
+    """The instrumented texts of sources that the run may compile, by `loader.source_key`."""
     world: str = NOMINAL.name
     """The name of the world that the cell behaves as."""
     idle_s: float = IDLE_S

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location
 from tracerisk.instrument.import_finder import ControllerFinder
+from tracerisk.instrument.loader import Sources
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.assembly.graph import ServedGraph
 from tracerisk.pipeline.run.assembly.watches import Watches
@@ -86,7 +87,7 @@ def build_imports(
         shared=set(stand_ins.provides) - libraries - ways.names,
         elsewhere=lambda name: _folder_elsewhere(name, workspace, root, recorder),
         is_library=Libraries(script, project, request.states).holds,
-        replaced=request.replaced_bytes,
+        sources=Sources(request.replaced_bytes, request.instrumented),
     )
     scheduler = world.scheduler
     values = PlaceholderValues(lambda: watches.values.posture, lambda: scheduler.now_ns)

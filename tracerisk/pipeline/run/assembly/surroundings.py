@@ -13,7 +13,7 @@ from tracerisk.common.sandbox.files.moved_files import MovedFiles
 from tracerisk.common.sandbox.files.overlay import BOUND, Overlay
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.import_finder import controller_imports
-from tracerisk.instrument.loader import prepared_controller
+from tracerisk.instrument.loader import Sources, prepared_controller
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.assembly.graph import ServedGraph
 from tracerisk.pipeline.run.assembly.imports import Imports
@@ -92,7 +92,7 @@ def controller_surroundings(
             request.argv,
             root=project.root,
             entry=entry.function if entry else None,
-            replaced=request.replaced_bytes,
+            sources=Sources(request.replaced_bytes, request.instrumented),
         ) as run,
         controller_imports(imports.own),
     ):
