@@ -8,7 +8,6 @@ of the arm.
 
 from __future__ import annotations
 
-import asyncio
 import inspect
 import re
 from collections.abc import Callable, Collection
@@ -72,6 +71,8 @@ class WebPart(Placeholder):
         def request(*parts: Any) -> None:
             result = answer(*parts)
             if inspect.iscoroutine(result):
+                import asyncio  # no run needs it that has no such route
+
                 asyncio.run(result)
 
         sent = WebPart("request.sent", self._windows)
