@@ -254,9 +254,9 @@ def test_a_parameter_has_another_value_only_where_that_makes_the_run_show_risk(t
     need = Need("parameter", "mode", "string")
     mode = Draft(need, "mode", "topic", "as the code compares it", None, ("sine",), is_instead=True)
     go = Draft(Need("topic", "/go", "std_msgs/Bool"), "/go", {"topic": "/go"}, "a value")
-    search._instead[mode.section, mode.key] = mode
+    search.supply.instead[mode.section, mode.key] = mode
     search.best = Attempt(Entries({(go.section, go.key): go}))
-    tried = list(search._with_other_defaults())
+    tried = list(search.supply.with_other_defaults(search.best.entries))
     assert [[each.value for each in entries.drafts.values()] for entries in tried] == [
         [{"topic": "/go"}, "topic"],
         [{"topic": "/go"}, "sine"],
@@ -276,4 +276,6 @@ def test_a_parameter_that_the_user_gives_stays(tmp_path):
         (Settings(params=("p.yaml",)), None, True),
         (Settings(), None, False),
     ):
-        assert rounds.Rounds(controller, settings, given, None, kept)._is_set(mode) is is_set
+        search = rounds.Rounds(controller, settings, given, None, kept)
+        search.supply.note_defaults((mode,))
+        assert (mode.key not in [key for _, key in search.supply.instead]) is is_set

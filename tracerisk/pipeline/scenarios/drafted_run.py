@@ -21,7 +21,7 @@ from tracerisk.errors import Location
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
-from tracerisk.pipeline.scenarios.command_lines import reads_arguments
+from tracerisk.pipeline.scenarios.arguments.command_line import reads_arguments
 from tracerisk.pipeline.trace.run_files import DraftsNoted
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.needs_in_source import may_lack
@@ -88,7 +88,7 @@ def trace_with_draft(
     # What it lacks first hides a name that it asks for later, which no draft can give.
     cut = [_OVER] if search.cut else []
     wrong = _gone_wrong(search.best)
-    message = "; ".join((trace.end.message, *search.mistakes, *wrong, *cut))
+    message = "; ".join((trace.end.message, *search.supply.mistakes, *wrong, *cut))
     return replace(trace, end=replace(trace.end, message=message))
 
 
@@ -167,7 +167,7 @@ def _with_drafts(controller: Controller, search: Rounds, entries: Entries, trace
     if search.cut:
         line += f"; {_OVER}"
     root = controller.root.resolve()
-    read = {from_root(root, file.resolve()) for file in search.read_for(entries)}
+    read = {from_root(root, file.resolve()) for file in search.written.read_for(entries)}
     return replace(
         trace,
         verdict=replace(trace.verdict, reasons=reasons),
@@ -184,9 +184,9 @@ class _Places:
         self._root = controller.root.resolve()
         self._search = search
         self._entries = entries
-        self._base = search.base
+        self._base = search.supply.base
         self._name = search.draft_name
-        self._of_base = _lines_of_base(self._base, search.text(entries))
+        self._of_base = _lines_of_base(self._base, search.supply.text(entries))
         self.drafted = 0
 
     def of(self, place: Location | None, *, is_shown: bool = False) -> Location | None:
@@ -199,7 +199,7 @@ class _Places:
         if self._base is not None and place.line in self._of_base:
             name = self._base.name if is_shown else from_root(self._root, self._base.resolve())
             return Location(name, self._of_base[place.line])
-        key = self._search.entry_at(self._entries, place.line)
+        key = self._search.supply.entry_at(self._entries, place.line)
         return None if key is None else self._entries.drafts[key].location
 
     def of_reason(self, reason: Reason) -> Reason:

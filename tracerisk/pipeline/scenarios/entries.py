@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.run.ended_run import ControllerRun
-from tracerisk.pipeline.scenarios.command_lines import CommandLine
+from tracerisk.pipeline.scenarios.arguments.command_line import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
@@ -100,6 +100,26 @@ class Attempt:
             return False, False, 0
         is_well = trace.verdict is not None and trace.verdict.kind != "faulted"
         return True, is_well, len(trace.functions)
+
+    @property
+    def raised(self) -> tuple[Hashable, ...]:
+        """The exception that ended the run, if one did."""
+        if self.trace is None or not self.has_raised:
+            return ()
+        return ((self.trace.end.message, self.trace.end.location),)
+
+    @property
+    def shown(self) -> Hashable:
+        """What the run showed: how it ended, what it lacked still, what went wrong."""
+        trace = self.trace
+        if trace is None:
+            return None if self.error is None else self.error.message
+        reasons = () if trace.verdict is None else trace.verdict.reasons
+        lacking = {(draft.section, draft.key) for draft in self.wanted} - self.entries.drafts.keys()
+        return (
+            (trace.end.cause, trace.end.location, self.score, frozenset(lacking)),
+            frozenset((e.code, e.function, e.object) for e in reasons if e.code != "input-assumed"),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,3 +343,10 @@ def one_by_one(best: Entries, tried: Entries) -> list[Entries]:
     if len(more) < 2:
         return []
     return [Entries({key: tried.drafts[key]}) for key in more]
+
+
+def on_top(best: Entries, single: Entries) -> Entries:
+    """Return the best entries with one of those that were tried beyond them."""
+    entries = best.copy()
+    entries.drafts.update(single.drafts)
+    return entries

@@ -1,0 +1,1 @@
+"""The arguments with which a controller may be started, read from its source."""
