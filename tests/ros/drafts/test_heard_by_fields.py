@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from tests.ros.drafts.test_guards import values  # noqa: F401
-from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
+from tracerisk.pipeline.run.needs.noted_drafts import NotedDrafts
 from tracerisk.ros.controller.needs import Missed, Need
 from tracerisk.ros.drafts.drafting import drafts
 from tracerisk.ros.messages.ros1 import Interfaces
@@ -95,10 +95,12 @@ def test_it_is_obeyed_where_it_is_the_only_motion(interfaces, values, kind):  # 
         for topic, short in published
     ]
     run = SimpleNamespace(
-        runtime=SimpleNamespace(graph=SimpleNamespace(unheard=lambda: unheard)),
-        interfaces=interfaces,
-        values=values,
+        lacked=SimpleNamespace(
+            runtime=SimpleNamespace(graph=SimpleNamespace(unheard=lambda: unheard)),
+            interfaces=interfaces,
+            values=values,
+        ),
         _sees=lambda: more.get("sees", False),
     )
-    found = UnmetNeeds._may_be_obeyed(run, shows_risk=more.get("shows_risk", False))
+    found = NotedDrafts._may_be_obeyed(run, shows_risk=more.get("shows_risk", False))
     assert [each.need.name for each in found] == wanted

@@ -19,7 +19,7 @@ from tracerisk.common.text.printable import cut, printable
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.missing_modules import MissingModules
-from tracerisk.pipeline.run.unmet_needs import JudgedEnd
+from tracerisk.pipeline.run.needs.unmet_needs import JudgedEnd
 from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
 from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.controller.removed_names import removed_name_hint

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tracerisk.errors import Location
+from tracerisk.pipeline.run.needs.unmet_needs import UnmetNeeds
 from tracerisk.pipeline.run.run_watch import RunWatch
-from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.thread import ControllerThread
 from tracerisk.ros.time.scheduler import Scheduler

@@ -1,0 +1,1 @@
+"""What a run lacked: looked up, drafted, and judged at the end of the run."""
