@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import has_pins
 from tracerisk.adder.lock.digest import is_as_written
-from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
@@ -20,7 +18,7 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.settings.settings_file import names_file
 from tracerisk.common.verdict import Verdict
 from tracerisk.config import Settings, controller_root
-from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
+from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
 from tracerisk.pipeline.check.not_in_git import untracked_findings
@@ -122,9 +120,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         *blocks_against_lock(
             controller, entry, sources, evidence_for(controller, entry, effective)
         ),
-        *_unjustified(settings, sources),
-        *_unequal(entry, sources),
-        *_moved(entry, sources),
+        *_set_by_hand(settings, entry, sources),
     ]
     if was is not None:
         message = f"{LOCK_NAME} knows this controller as {was}"
@@ -132,7 +128,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     is_whole = all(finding.kind not in ("missing", "orphaned") for finding in findings)
     if is_whole:
         limits_of_model = {} if findings else _limits_of_model(settings)
-        findings += _of_model(controller, entry, sources, limits_of_model)
+        findings += _of_model(controller, entry, _blocks(sources), limits_of_model)
     if settings.fail_on in ("finding", "unexpected_contact"):
         findings += contact_findings(controller, entry)
     verdict = _verdict(entry, sources)
@@ -256,47 +252,22 @@ def _stale(
         yield CheckFinding("stale", message, place, remedy=remedy)
 
 
-def _unjustified(settings: Settings, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
-    if not settings.require_reason:
+def _set_by_hand(
+    settings: Settings, entry: ControllerLock, sources: Sequence[CheckedSource]
+) -> Iterable[CheckFinding]:
+    """Yield what keeps values that users set by hand from being trusted."""
+    if settings.require_reason:
+        for source in sources:
+            yield from without_reason(source.placed, source.shown)
+    has_some = any(has_pins(placed.block) for source in sources for placed in source.placed)
+    if not has_some and not entry.owned:
         return
-    for source in sources:
-        yield from without_reason(source.placed, source.shown)
+    from tracerisk.pipeline.check.set_by_hand import moved_values, unequal_units
 
-
-def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
-    """Yield the redundancies set by hand over units that differed when it was last run."""
-    if not any(has_pins(placed.block) for source in sources for placed in source.placed):
-        return
-    from tracerisk.adder.figures.instance_values import kept_values
-    from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
-
-    names = model_names(
-        [
-            FunctionRef(source.file, placed.function)
-            for source in sources
-            for placed in source.placed
-        ]
-    )
-    for source in sources:
-        for placed in source.placed:
-            name = names[FunctionRef(source.file, placed.function)]
-            instances = kept_values(entry.trace, name)
-            written = source.followed.bases[0].get(placed.function)
-            for redundancy in unfounded_redundancies(placed.block, instances, written):
-                place = redundancy.location or Location(source.shown, placed.first_line)
-                yield CheckFinding("unequal", redundancy.message, place, redundancy.path)
-
-
-def _moved(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
-    """Yield the values set by hand for what their functions do no more, or not alone."""
-    if not entry.owned:
-        return
-    from tracerisk.adder.merge.owned import moved_in
-
-    shown = {source.file: source.shown for source in sources}
-    for moved, component in moved_in(entry, _blocks(sources)):
-        place = component.location or Location(shown[moved.ref.file])
-        yield CheckFinding("moved", f"{moved.message}; {moved.remedy}", place, moved.path)
+    if has_some:
+        yield from unequal_units(entry, sources)
+    if entry.owned:
+        yield from moved_values(entry, sources, _blocks(sources))
 
 
 def _blocks(sources: Sequence[CheckedSource]) -> dict[FunctionRef, RiskBlock]:
@@ -332,41 +303,19 @@ def _lines_now(sources: Sequence[CheckedSource]) -> Callable[[str, int], int]:
 def _of_model(
     controller: Controller,
     entry: ControllerLock,
-    sources: Sequence[CheckedSource],
+    placed: Mapping[FunctionRef, RiskBlock],
     limits: Mapping[str, float],
 ) -> Iterable[CheckFinding]:
     """Yield why the blocks make no model that can be solved, or one above one of the limits.
 
-    What a refresh kept counts as computed. Blocks that are the tool's word alone were a model when
-    they were written; they need no solving again.
+    Blocks that are the tool's word alone were a model when they were written; they need no solving
+    again.
     """
-    placed = _blocks(sources)
     if not placed or (not limits and _are_as_written(entry, placed)):
-        return
-    from tracerisk.prm.hybrid.from_blocks import build_model
-    from tracerisk.prm.hybrid.solve import solve_figures
+        return ()
+    from tracerisk.pipeline.check.model_findings import model_findings
 
-    names = model_names(placed)
-    blocks = [
-        replace(as_computed(block, entry, ref.file, ref.name), name=QualifiedName(names[ref]))
-        for ref, block in placed.items()
-    ]
-    place = Location(str(controller.path), 1)
-    try:
-        mission = solve_figures(build_model(blocks, name=controller.path.name)).mission
-    except (BlockError, ModelError) as error:
-        yield CheckFinding("unsolvable", error.message, error.location or place)
-        return
-    for name, limit in limits.items():
-        is_whole = name == "max_failure_probability"
-        risk = mission.failure_probability if is_whole else mission.undetected_or_all
-        if risk > limit:
-            words = "fails" if is_whole else "fails undetected"
-            yield CheckFinding(
-                "over_threshold",
-                f"the mission {words} with probability {risk:.4g}, above the {name} of {limit:g}",
-                place,
-            )
+    return model_findings(controller, entry, placed, limits)
 
 
 def _limits_of_model(settings: Settings) -> dict[str, float]:

@@ -10,7 +10,7 @@ from tracerisk.pipeline.scenarios.entries import Entries, merged, names_own_join
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.ros.drafts.draft import Draft
-from tracerisk.ros.drafts.drafted_entries import sent_in_turn
+from tracerisk.ros.drafts.drafted_topic import sent_in_turn
 
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}

@@ -46,6 +46,30 @@ def likely_mistake(need: Need, values: UsableValues) -> str:
 
 
 @dataclass(frozen=True, slots=True)
+class Lack:
+    """A need with what its entry is made from."""
+
+    need: Need
+    """The need that nothing met."""
+    place: Location | None
+    """The line of the controller that asks for it; `None` where none is known."""
+    interfaces: Any
+    """The definitions of messages, services and actions of the run."""
+    values: UsableValues
+    """The values that are usable on the robot of the run."""
+
+    def comments(self, kind: str) -> Mapping[str, str]:
+        """Return the comments of the definition of what is lacking, by field."""
+        comments: Mapping[str, str] = self.interfaces.comments(self.need.type_name, kind)
+        return comments
+
+
+Made = tuple[Any, str] | tuple[Any, str, Any]
+"""The value of an entry, `None` where no scenario can give one, and where it is from; of a driver
+that answers, what answers alone, too."""
+
+
+@dataclass(frozen=True, slots=True)
 class Draft:
     """What a scenario could provide for a need."""
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.called_functions import source_tree
 from tracerisk.instrument.source.literals.compared_values import (
     Compared,
@@ -33,19 +32,15 @@ from tracerisk.ros.controller.needs import (
 from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.drafts.asked_results import calls_of, held_by, used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.draft import WELL, likely_mistake
+from tracerisk.ros.drafts.draft import WELL, Lack, Made, likely_mistake
 from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter
+from tracerisk.ros.drafts.drafted_topic import drafted_topic
 from tracerisk.ros.drafts.drivers.asked import Asked, parts_of
 from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver, names_motion
-from tracerisk.ros.drafts.game_pad import pressed_in_turn
-from tracerisk.ros.drafts.json_texts import json_texts
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
-from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
-from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures, takes_pixels
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.reached_poses import BOX
 from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
-from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.messages.fields import (
     action_parts,
     fields_of,
@@ -57,15 +52,8 @@ from tracerisk.ros.messages.fields import (
 from tracerisk.twin.physics.motion import Pose
 
 _YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
-_SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
-_COMMAND = re.compile(r"std_msgs/(Bool|Empty|String|U?Int\d+)$")
 TRANSITION = "lifecycle_msgs/ChangeState"
-_EACH_S = 10.0  # between two commands of which a controller knows several
-_FEW_WORDS = 6  # of more, keys of a keyboard, each moves a little
-_MOST_WORDS = 16
 _USUAL_KEYS = (*"wsad", *(CODES[name] for name in ("up", "down", "left", "right")))
-_SHORT_S = 2.0  # between two of those
-_PRESSED_S = 1.0  # for how long each button of a game pad is pressed
 BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
 _MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory|motion)([/_\d]|$)")
 _JOINTS = re.compile(
@@ -88,117 +76,9 @@ COMMANDING = frozenset(
 """Types of ROS that are no command unless the name of their topic says so."""
 _KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
 _ASKED_NUMBER = re.compile(r"\b([xyz]|roll|pitch|yaw|(joint|axis) ?\d|j\d|angle)\b")
-_ALARM = re.compile(
-    r"(^|[/_])(bumper|cliff|wheel_drop|e_?stop|emergency\w*|collisions?|alarms?|faults?)s?([/_]|$)",
-    re.IGNORECASE,
-)
 
 
-@dataclass(frozen=True, slots=True)
-class Lack:
-    """A need with what its entry is made from."""
-
-    need: Need
-    """The need that nothing met."""
-    place: Location | None
-    """The line of the controller that asks for it; `None` where none is known."""
-    interfaces: Any
-    """The definitions of messages, services and actions of the run."""
-    values: UsableValues
-    """The values that are usable on the robot of the run."""
-
-
-_Made = tuple[Any, str] | tuple[Any, str, Any]
-"""The value of an entry, `None` where no scenario can give one, and where it is from; of a driver
-that answers, what answers alone, too."""
-
-
-def _topic(lack: Lack) -> _Made:
-    need = lack.need
-    if need.type_name == "*":
-        unknown = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
-        return unknown, "its type is not known"
-    if _ALARM.search(need.name) and not need.type_name.startswith("std_msgs/"):
-        return None, "an alarm, which no draft gives"
-    made, values = lack.interfaces.message(need.type_name), lack.values
-    compared = compared_in_callback(lack.place, constants=known_constants(made))
-    said, comments = said_in_callback(lack.place), _comments(lack, "msg")
-    message = values.fields(made, compared, need.name, said, comments)
-    entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
-    several: tuple[str | bool, ...] = ()
-    texts = json_texts(lack.place, values) if need.type_name == "std_msgs/String" else ()
-    if texts:
-        several, message = texts if len(texts) > 1 else (), {"data": texts[0]}
-    elif need.type_name == "std_msgs/String":
-        known = without_emergency(ordered_answers(compared.texts(("data",))))
-        several = known[:_MOST_WORDS]
-    elif need.type_name == "std_msgs/Bool" and message["data"]:
-        several = compared.truths(("data",))
-    if need.type_name == "sensor_msgs/Joy":
-        held = pressed_in_turn(message, compared)
-        timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
-        entry = {**entry, "messages": held, **timing}
-        return entry, "the sticks moved to and fro, without a button and then with each"
-    field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
-    if len(in_turn) > 1:
-        entry = sent_in_turn(entry, [{**message, field: item} for item in in_turn])
-        return entry, "the values that the code knows, in turn"
-    if _SENSOR.match(need.type_name):
-        words = _typed_text(need.type_name, compared.values, values)
-        if need.type_name in PICTURES and (
-            seen_in_pictures(lack.place) is not None or takes_pixels(lack.place)
-        ):
-            parts, frame = [field.name for field in fields_of(made)], values.robot.base_link
-            message = picture(need.type_name, parts, frame, need.name, is_large=True)
-        return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
-    # A command finds that what was seen has come already.
-    after = 2.0 if _COMMAND.match(need.type_name) else 1.0
-    entry = {**entry, "after": after, "message": message}
-    if texts:
-        return entry, "JSON with what the code looks up"
-    return entry, _typed_text(need.type_name, compared.values, values)
-
-
-def sent_in_turn(entry: Mapping[str, Any], commands: Sequence[Any]) -> dict[str, Any]:
-    """Return the entry of a topic with several commands, each with time to be carried out."""
-    rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
-    kept = {key: entry[key] for key in ("topic", "type") if key in entry}
-    return {**kept, "messages": list(commands), "at": 1.0, "rate": rate, "count": len(commands)}
-
-
-def _values_in_turn(
-    need: Need, message: Mapping[str, Any], compared: Compared
-) -> tuple[str, Sequence[str | int]]:
-    """Return the field of a command that has several known values, and these; none for sensors."""
-    if _SENSOR.match(need.type_name):
-        return "", ()
-    for name, now in message.items():
-        known: Sequence[str | int] = ()
-        if isinstance(now, str):
-            known = without_emergency(ordered_answers(compared.texts((name,))))
-        elif type(now) is int:
-            known = [number for number in compared.numbers((name,)) if isinstance(number, int)]
-        if len(known) > 1 and now in known:
-            return name, known[:_MOST_WORDS]
-    return "", ()
-
-
-def _comments(lack: Lack, kind: str) -> Mapping[str, str]:
-    """Return the comments of the definition of what is lacking, by field."""
-    comments: Mapping[str, str] = lack.interfaces.comments(lack.need.type_name, kind)
-    return comments
-
-
-def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
-    name = values.robot.name
-    if re.search(r"Joint", type_name):
-        return f"joints of {name}, a little away from where it begins"
-    if re.search(r"Pose|Point|Transform|Detection|Marker", type_name):
-        return f"a pose that {name} reaches"
-    return "as the code compares it" if compared else "a value of its type"
-
-
-def _service(lack: Lack) -> _Made:
+def _service(lack: Lack) -> Made:
     need = lack.need
     if not need.type_name:
         return {"name": need.name, "reply": {}}, "its type is not known"
@@ -211,7 +91,7 @@ def _service(lack: Lack) -> _Made:
     return (entry, WELL[need.kind]) if guess is None else (guess.entry, guess.words, entry)
 
 
-def _action(lack: Lack) -> _Made:
+def _action(lack: Lack) -> Made:
     need = lack.need
     if mistake := likely_mistake(need, lack.values):
         return None, mistake
@@ -227,7 +107,7 @@ def _action(lack: Lack) -> _Made:
     return entry, WELL[need.kind]
 
 
-def _command(lack: Lack) -> _Made:
+def _command(lack: Lack) -> Made:
     need = lack.need
     message = lack.interfaces.message(need.type_name)
     guess = _guess(Asked("subscribed_topics", need.name, need.type_name, message), {}, lack)
@@ -281,7 +161,7 @@ def _holds_joints(message_class: Any, depth: int) -> bool:
     )
 
 
-def _call(lack: Lack) -> _Made:
+def _call(lack: Lack) -> Made:
     need = lack.need
     entry: dict[str, Any] = {"service": need.name, "type": need.type_name}
     if need.type_name == TRANSITION:
@@ -290,21 +170,21 @@ def _call(lack: Lack) -> _Made:
     request = service_parts(lack.interfaces, need.type_name)[0]
     compared = compared_in_sent(need, lack.place, lack.interfaces)
     said = said_in_callback(lack.place)
-    sent = lack.values.fields(request, compared, need.name, said, _comments(lack, "srv"))
+    sent = lack.values.fields(request, compared, need.name, said, lack.comments("srv"))
     return {**entry, "request": sent, "wait": True}, "one call, in its turn"
 
 
-def _sent_goal(lack: Lack) -> _Made:
+def _sent_goal(lack: Lack) -> Made:
     need = lack.need
     goal = goal_class(lack.interfaces, need.type_name)
     compared = compared_in_sent(need, lack.place, lack.interfaces)
     said = said_in_callback(lack.place)
-    sent = lack.values.fields(goal, compared, need.name, said, _comments(lack, "action"))
+    sent = lack.values.fields(goal, compared, need.name, said, lack.comments("action"))
     entry = {"action": need.name, "type": need.type_name, "goal": sent, "wait": True}
     return entry, "one goal, in its turn"
 
 
-def _frame(lack: Lack) -> _Made:
+def _frame(lack: Lack) -> Made:
     need, values = lack.need, lack.values
     if mistake := likely_mistake(need, values):
         return None, mistake
@@ -322,7 +202,7 @@ def _frame(lack: Lack) -> _Made:
     return entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
 
 
-def _object(lack: Lack) -> _Made:
+def _object(lack: Lack) -> Made:
     need, values = lack.need, lack.values
     entry: dict[str, Any] = {"name": need.name, "box": list(BOX)}
     if need.type_name == "attached" and values.hand is not None:
@@ -332,12 +212,12 @@ def _object(lack: Lack) -> _Made:
     return entry, f"a box that {values.robot.name} reaches"
 
 
-def _start(lack: Lack) -> _Made:
+def _start(lack: Lack) -> Made:
     start = dict(lack.values.start) or None
     return start, f"a posture of {lack.values.robot.name} with room around its tool"
 
 
-def _answer(lack: Lack) -> _Made:
+def _answer(lack: Lack) -> Made:
     need = lack.need
     if need.name == KEYS:
         keys = list(known_keys(lack.place))
@@ -367,7 +247,7 @@ def _names_asked(lack: Lack) -> Iterator[str]:
         yield from sorted(name.rpartition(".")[2] for name in held_by(tree, call)[0])
 
 
-def _module(lack: Lack) -> _Made:
+def _module(lack: Lack) -> Made:
     if lack.need.name in WINDOW_MODULES:
         words = f"windows of {lack.need.name} without a screen: each button is pressed once, "
         words += "in the order in which they were made, and the window is closed"
@@ -383,8 +263,8 @@ def _module(lack: Lack) -> _Made:
     return {"module": lack.need.name}, f"{words}{remedy}"
 
 
-ENTRIES: Mapping[NeedKind, Callable[[Lack], _Made]] = {
-    "topic": _topic,
+ENTRIES: Mapping[NeedKind, Callable[[Lack], Made]] = {
+    "topic": drafted_topic,
     "service": _service,
     "action": _action,
     "call": _call,

@@ -12,12 +12,11 @@ from tracerisk.instrument.source.literals.compared_values import (
     Compared,
 )
 from tracerisk.ros.controller.needs import Missed
-from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.drafts.draft import Draft, Lack
 from tracerisk.ros.drafts.drafted_entries import (
     BROUGHT_UP,
     ENTRIES,
     TRANSITION,
-    Lack,
     compared_in_sent,
 )
 from tracerisk.ros.drafts.drafted_parameter import (

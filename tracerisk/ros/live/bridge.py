@@ -7,9 +7,7 @@ a command belongs to the function that sent it by the stack that the controller'
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import InputError
@@ -21,13 +19,12 @@ from tracerisk.ros.graph.topic_ends import Publication, Subscription
 from tracerisk.ros.live.hooks import digest, frames_of
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.ros2.action_bridge import ActionBridge
+from tracerisk.ros.live.senders import Senders
 from tracerisk.ros.live.wire import wire_of
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.time.clock import EPOCH_NS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from tracerisk.ros.messages.ros1 import Interfaces
     from tracerisk.ros.messages.ros2 import Interfaces2
 
@@ -62,13 +59,11 @@ class Bridge:
         self._wire = wire_of(interfaces)
         self._relay = relay
         self._report = report
-        self._acts = acts
+        self._senders = Senders(runtime, acts)
         self.sender: Callable[[str, bytes, int | None, int | None], tuple[Frame, ...]] = (
-            self._reported
+            self._senders.of
         )
         self._making = False
-        self._stacks: dict[str, deque[tuple[tuple[Frame, ...], int]]] = {}
-        self._on_behalf: dict[Any, tuple[Frame, ...]] = {}
         self._ours: set[Publication] = set()
         self._publications: dict[tuple[str, str], Publication] = {}
         self._subscriptions: dict[tuple[str, str], Subscription] = {}
@@ -80,7 +75,7 @@ class Bridge:
         self._types: dict[str, str] = {}
         self._silent: set[str] = set()
         tracer: Any = runtime.tracer
-        tracer.on_behalf = self._stack
+        tracer.on_behalf = self._senders.acting_now
         # Whoever comes gets the time at once, although the clock may stand still.
         self._advertise(CLOCK, _CLOCK_TYPE, latch=True)
         self._graph.watch(self._on_change)
@@ -93,8 +88,7 @@ class Bridge:
         """Note which functions sent a message, a request or a goal, known by its content."""
         of = header.get("digest") or self._digest(header, body)
         if of is not None:
-            stack = frames_of(header["stack"])
-            self._stacks.setdefault(of, deque()).append((stack, header["thread"]))
+            self._senders.sent(of, frames_of(header["stack"]), header["thread"])
 
     def _digest(self, header: dict[str, Any], body: bytes) -> str | None:
         """Return what stands for a message of ROS 2; None where the twin does not hear it."""
@@ -279,7 +273,7 @@ class Bridge:
         content = self._wire.content(body, message)
         number = self._wire.number(content, kind) if number is None else number
         stack = self.sender(topic, content, number, at_ns)
-        with self._acting_for(stack):
+        with self._senders.acting(stack):
             publication.publish(message)
 
     def _publication(self, topic: str, caller: str) -> Publication | None:
@@ -337,7 +331,7 @@ class Bridge:
             kind, other_kind = self._wire.parts(self._interfaces.service(server.type_name))
             request = self._wire.decode(body, kind)
             try:
-                with self._acting_for(stack):
+                with self._senders.acting(stack):
                     response = self._graph.services.call(server, request)
                 answered = self._wire.encode(response if response is not None else other_kind())
             except Exception as error:  # noqa: BLE001 - passed on to who called, as rospy does
@@ -354,43 +348,11 @@ class Bridge:
         stack: tuple[Frame, ...] = ()
         if header["is"] == "goal" and kind is not None:
             stack = self.sender(header["name"], self._content(body, kind), None, None)
-        with self._acting_for(stack):
+        with self._senders.acting(stack):
             self.actions.take(header, body)
 
     def _failed(self, number: int, message: str) -> None:
         self._relay.send({"do": "answer", "number": number, "ok": False, "message": message})
-
-    # Stacks
-
-    def _reported(
-        self,
-        name: str,  # noqa: ARG002
-        body: bytes,
-        number: int | None,  # noqa: ARG002
-        at_ns: int | None,  # noqa: ARG002
-    ) -> tuple[Frame, ...]:
-        of = digest(body)
-        known = self._stacks.get(of)
-        if not known:
-            return ()
-        stack, thread = known.popleft()
-        if not known:
-            del self._stacks[of]
-        self._acts(thread)
-        return stack
-
-    def _stack(self) -> tuple[Frame, ...]:
-        return self._on_behalf.get(self._runtime.scheduler.current, ())
-
-    @contextmanager
-    def _acting_for(self, stack: tuple[Frame, ...]) -> Iterator[None]:
-        thread = self._runtime.scheduler.current
-        before = self._on_behalf.get(thread, ())
-        self._on_behalf[thread] = stack
-        try:
-            yield
-        finally:
-            self._on_behalf[thread] = before
 
     def _class(self, topic: str, type_name: str) -> Any:
         try:

@@ -212,7 +212,7 @@ def test_what_the_twin_does_not_hear_is_not_kept(lived):
         bridge.sent({**sent, "stack": frames_data(STACK), "thread": 4}, encode(text))
 
     lived.live(act)
-    assert lived.bridge._stacks == {}
+    assert lived.bridge._senders._stacks == {}
 
 
 def test_a_topic_of_the_controllers_reaches_the_twin_with_its_quality(lived):
