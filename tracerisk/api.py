@@ -410,19 +410,9 @@ def evidence(path: str | Path) -> Evidence:
 
     Raises InputError where there is none.
     """
-    from tracerisk.common.evidence import EVIDENCE_NAME
-    from tracerisk.common.evidence.file import read_evidence
-    from tracerisk.errors import InputError, Location
+    from tracerisk.pipeline.freshness.used_evidence import needed_evidence
 
-    controller = load_controller(path)
-    kept = controller.root / EVIDENCE_NAME
-    result = read_evidence(kept).get(controller.file)
-    if result is None:
-        raise InputError(
-            f"holds no evidence of {controller.file}; `tracerisk evidence {path}` gathers it",
-            Location(str(kept)),
-        )
-    return result
+    return needed_evidence(load_controller(path))
 
 
 def evidence_replays(
@@ -465,27 +455,10 @@ def run_with_faults(
     the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
     """
     from tracerisk.common.dependencies import require_runs
-    from tracerisk.errors import InputError
-    from tracerisk.pipeline.workspace.controller import forbid_compiled
-    from tracerisk.trace import RunFailedError
-    from tracerisk.twin.faults.fault import parse_fault
 
-    parsed = [parse_fault(fault) for fault in faults]
-    if not parsed:
-        raise InputError("no fault is given; expected UNIT:MODE@SECONDS")
-    controller = load_controller(path)
-    loaded = load_settings(controller, settings)
     require_runs("running a controller")
-    forbid_compiled(path, "a run with a fault")
-    from tracerisk.pipeline.run.ended_run import RunOptions
-    from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
-    from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded
+    from tracerisk.pipeline.scenarios.fault_effect import run_with_faults
 
-    nominal = nominal_run(controller, loaded, RunOptions(progress=progress))
-    if not nominal.trace.is_usable:
-        raise RunFailedError(nominal.trace)
-    if not nominal.trace.functions:
-        raise nothing_commanded(nominal.trace, controller)
-    if on_nominal is not None:
-        on_nominal(nominal.trace)
-    return run_with_faults(controller, loaded, nominal, parsed, RunOptions(keep, progress))
+    return run_with_faults(
+        path, faults, settings, keep=keep, progress=progress, on_nominal=on_nominal
+    )

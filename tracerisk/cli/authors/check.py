@@ -14,8 +14,6 @@ from tracerisk.cli.shared.output import (
     note_without_controllers,
     print_json,
     show,
-    write_alerts,
-    write_file,
 )
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.verdict import GAPS, verdict_line
@@ -103,7 +101,10 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
     checked = [item for item in check_findings if isinstance(item, Checked)]
     errors = [item for item in check_findings if isinstance(item, TraceRiskError)]
     findings = [finding for check_finding in checked for finding in check_finding.findings]
-    _write_reports(options, paths, check_findings, projects)
+    if any(given is not None for given in (options.sarif, options.code_quality, options.metrics)):
+        from tracerisk.cli.authors.check_reports import write_reports
+
+        write_reports(options, paths, check_findings, projects)
     code = max(
         (*(finding.exit_code for finding in findings), *(error.exit_code for error in errors)),
         default=ExitCode.FINE,
@@ -140,26 +141,6 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
     count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"
     note(f"{count} checked, {bad} to mend", quiet=options.quiet)
     return int(code)
-
-
-def _write_reports(
-    options: argparse.Namespace,
-    paths: Sequence[Path],
-    found: Sequence[Checked | TraceRiskError],
-    projects: Projects,
-) -> None:
-    """Write the files for CI that were asked for."""
-    if options.sarif is not None or options.code_quality is not None:
-        from tracerisk.pipeline.review.alerts import check_alerts
-
-        write_alerts(options, check_alerts(paths, found, projects))
-    if options.metrics is not None:
-        from tracerisk.pipeline.check.metrics import check_metrics
-        from tracerisk.pipeline.review.alerts import name_in_repository
-        from tracerisk.report.ci.open_metrics import render_open_metrics
-
-        samples = check_metrics(paths, found, projects, lambda path: name_in_repository(str(path)))
-        write_file(options.metrics, render_open_metrics(samples))
 
 
 def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:

@@ -11,10 +11,7 @@ from tracerisk.adder.lock.lock import lock_key
 from tracerisk.cli.reporting.against import (
     add_against,
     add_earlier_run,
-    both_runs,
     check_earlier_run,
-    compared_sources,
-    review_against,
 )
 from tracerisk.cli.reporting.overview import write_overview
 from tracerisk.cli.reporting.report_input import (
@@ -56,10 +53,10 @@ from tracerisk.report.html.run.replay import check_recording
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from tracerisk.cli.reporting.comparison import Comparison
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.pipeline.check.finding import CheckFinding
-    from tracerisk.prm.review.risk_diff import Review
     from tracerisk.report.html.report_input import ReportInput, SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.trace import Trace
@@ -131,17 +128,17 @@ def run(options: argparse.Namespace) -> int:
     if len(files) == 1 and kept is not None:
         files = list(kept.files)
     sources = {name: read_file(name) for name in files}
-    review = review_against(options.against, files)
-    both = both_runs(
-        options,
-        None if kept is None else kept.controller,
-        review=review,
-        fingerprint="" if kept is None or trace is not None else kept.fingerprint,
-        now=recorded,
-    )
+    comparison: Comparison | None = None
+    both: SideBySide | str = ""
+    if options.against is not None:
+        from tracerisk.cli.reporting.comparison import Comparison
+
+        fingerprint = "" if kept is None or trace is not None else kept.fingerprint
+        comparison = Comparison.of(options, None if kept is None else kept.controller, files)
+        both = comparison.both_runs(fingerprint=fingerprint, now=recorded)
     shown: dict[str, Any] = {}
     if options.output is not None or options.dossier is not None:
-        shown = _write_page(options, kept, trace, recorded, sources, review, both, unpassed)
+        shown = _write_page(options, kept, trace, recorded, sources, comparison, both, unpassed)
     if wants_pictures(options):
         settings = _settings(kept, options)
         code, pictures = write_report_pictures(
@@ -151,7 +148,7 @@ def run(options: argparse.Namespace) -> int:
             recorded,
             settings,
             both=both,
-            renamed=None if review is None else review.renamed,
+            renamed=None if comparison is None else comparison.review.renamed,
         )
         if code != ExitCode.FINE:
             return int(code)
@@ -167,7 +164,7 @@ def _write_page(
     trace: Trace | None,
     recorded: RecordedRun | str,
     sources: Mapping[str, bytes],
-    review: Review | None,
+    comparison: Comparison | None,
     both: SideBySide | str,
     unpassed: Sequence[CheckFinding],
 ) -> dict[str, Any]:
@@ -199,11 +196,9 @@ def _write_page(
         sources,
         run=run,
         described=described,
-        review=review,
+        review=None if comparison is None else comparison.review,
         both_runs=both,
-        compared=compared_sources(
-            options, None if kept is None else kept.controller, review=review, sources=sources
-        ),
+        compared=None if comparison is None else comparison.sources(sources),
         verdicts=verdicts.by_controller,
         verdict=lines,
         more=more,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.reporting.against import both_runs, compared_sources, review_against
 from tracerisk.cli.reporting.report_input import (
     RunShown,
     evidence_shown,
@@ -36,21 +35,24 @@ def write_page(options: argparse.Namespace, done: Assessed, band: Band | None) -
     sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
     verdict = as_typed(done.trace.verdict, done.controller.path)
     run = RunShown(done.trace, done.hardware, done.annotated.computed, sections)
-    review = review_against(options.against, done.sources)
+    comparison = None
+    if options.against is not None:
+        from tracerisk.cli.reporting.comparison import Comparison
+
+        comparison = Comparison.of(options, done.controller, done.sources)
+    fingerprint = done.annotated.fingerprint
     page = report_input(
         done.assessment,
         done.model,
         done.sources,
         run=run,
-        review=review,
-        both_runs=both_runs(
-            options,
-            done.controller,
-            review=review,
-            fingerprint=done.annotated.fingerprint,
-            now=recorded,
+        review=None if comparison is None else comparison.review,
+        both_runs=(
+            ""
+            if comparison is None
+            else comparison.both_runs(fingerprint=fingerprint, now=recorded)
         ),
-        compared=compared_sources(options, done.controller, review=review, sources=done.sources),
+        compared=None if comparison is None else comparison.sources(done.sources),
         verdicts={done.controller.file: verdict},
         verdict=tuple(verdict_lines(verdict)),
         band="" if band is None else band.words,
@@ -58,7 +60,7 @@ def write_page(options: argparse.Namespace, done: Assessed, band: Band | None) -
             run,
             done.sources,
             done.settings,
-            fingerprint=done.annotated.fingerprint,
+            fingerprint=fingerprint,
             made=[file for name in _MADE if (file := getattr(options, name)) is not None],
         ),
     )

@@ -9,7 +9,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.sources import model_of_sources, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict
-from tracerisk.cli.solving.figure_options import add_set, set_in, sets_a_rate
+from tracerisk.cli.solving.figure_options import add_set, sets_a_rate
 from tracerisk.cli.solving.hardware_spread import add_hardware_spread, print_spreads
 from tracerisk.prm.formats import model_json
 from tracerisk.report.tables import counted
@@ -30,7 +30,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     model = model_of_sources(options.files, read_profile(options))
-    model, _ = set_in(model, options)
+    if options.set_values:
+        from tracerisk.cli.solving.set_figures import set_in
+
+        model, _ = set_in(model, options)
     if options.hardware is not None:
         from tracerisk.cli.solving.computed_spreads import spreads_of_files
         from tracerisk.pipeline.failure_data.figure_spreads import with_distributions

@@ -24,6 +24,11 @@ from tracerisk.errors import InputError
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
+
+    from tracerisk.prm.questions.pair_importance import PairImportance
+    from tracerisk.prm.questions.set_values import SetValue, Sweep
+    from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -81,17 +86,25 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.prm.hybrid.solve import solve
 
-    given = model_of_files(options.files, read_profile(options))
-    model, changes = asked.set_in(given, options)
+    model = model_of_files(options.files, read_profile(options))
+    changes: list[SetValue] = []
+    if options.set_values:
+        from tracerisk.cli.solving.set_figures import set_in
+
+        model, changes = set_in(model, options)
     assessment = solve(model)
-    sweeps = asked.swept(model, options)
     spreads = None
     if options.uncertainty and options.hardware is not None:
         from tracerisk.cli.solving.computed_spreads import spreads_of_files
 
         spreads = spreads_of_files(options.files, model, options)
-    uncertainty = asked.uncertainty_of(model, options, spreads)
-    pairs = asked.pairs_of(model, options)
+    sweeps: list[Sweep] = []
+    uncertainty: Uncertainty | None = None
+    pairs: Sequence[PairImportance] | None = None
+    if asked.asks_more(options):
+        from tracerisk.cli.solving.answers import answers_of
+
+        sweeps, uncertainty, pairs = answers_of(model, options, spreads)
     risks = {"mission failure": assessment.mission.failure_probability}
     code = max(
         risk_exit(risks, options.max_failure_probability),

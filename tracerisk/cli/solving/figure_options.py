@@ -10,16 +10,14 @@ from tracerisk.cli.shared import values
 from tracerisk.cli.shared.output import paper, print_text
 from tracerisk.cli.shared.values import count
 from tracerisk.cli.solving.hardware_spread import add_hardware_spread
-from tracerisk.errors import InputError, one_of
+from tracerisk.errors import InputError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-    from tracerisk.pipeline.failure_data.figure_spreads import HardwareSpreads
     from tracerisk.prm.hybrid.assessment import Assessment
-    from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.numbers.distributions import Distribution
     from tracerisk.prm.other_models.linked.parameter_sweep import FigureSweep
     from tracerisk.prm.questions.pair_importance import PairImportance
@@ -27,11 +25,15 @@ if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 MOST_POINTS = 10_000
-_RATE = ".rate"
-_UNITS_H = {"h": 1.0, "min": 1.0 / 60.0, "s": 1.0 / 3600.0}
-"""Units of time in which `--set` takes rates [h]."""
+RATE = ".rate"
+"""The end of a name in `--set` that sets a rate."""
 POINTS = 9
 """How many values a sweep has unless it is said."""
+
+
+def asks_more(options: argparse.Namespace) -> bool:
+    """Return whether there is anything to answer; raise as `wants_uncertainty`."""
+    return bool(options.sweeps or options.pairs) or wants_uncertainty(options)
 
 
 def add_set(group: argparse._ActionsContainer) -> None:
@@ -50,7 +52,7 @@ def add_set(group: argparse._ActionsContainer) -> None:
 def sets_a_rate(options: argparse.Namespace) -> bool:
     """Whether `--set` has a rate, which takes what the hardware description says."""
     return any(
-        _is_rate(name, value)
+        is_rate(name, value)
         for name, _, value in (text.rpartition("=") for text in options.set_values)
     )
 
@@ -117,72 +119,9 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel, list[SetValue]]:
-    """Return the model with the values of `--set`, and what was set.
-
-    Raises InputError when a value is malformed, or a name unknown.
-    """
-    if not options.set_values:
-        return model, []
-    from tracerisk.prm.questions.set_values import set_values, value_of, with_values
-
-    def figure(text: str, where: str) -> float:
-        name = where.removeprefix("--set ").rpartition("=")[0]
-        if _is_rate(name, text):
-            component = name.removesuffix(_RATE)
-            factor = _rate(text, where) / _own_rate(component, where, options)
-            return probability(repr(factor * value_of(model, component)), where)
-        if not text.startswith("x") or text == "x":
-            return probability(text, where)
-        return probability(repr(number(text[1:], where) * value_of(model, name)), where)
-
-    values: dict[str, float] = {}
-    for text in options.set_values:
-        for name, value in parse_set([text], figure).items():
-            component = (
-                name.removesuffix(_RATE) if _is_rate(name, text.rpartition("=")[2]) else name
-            )
-            if component in values:
-                raise InputError(f"--set names '{component}' twice; set it once")
-            values[component] = value
-    return with_values(model, values), list(set_values(model, values))
-
-
-def _is_rate(name: str, text: str) -> bool:
-    return name.endswith(_RATE) and "/" in text
-
-
-def _rate(text: str, where: str) -> float:
-    """Return a rate per hour, such as `5e-7/h`."""
-    value, _, unit = text.rpartition("/")
-    if unit not in _UNITS_H:
-        raise InputError(f"{where}: '{unit}' is not a unit of time; allowed: {', '.join(_UNITS_H)}")
-    rate = number(value, where) / _UNITS_H[unit]
-    if not 0.0 <= rate < math.inf:
-        raise InputError(f"{where}: the rate {value} is not one of 0 or more")
-    return rate
-
-
-def _own_rate(name: str, where: str, options: argparse.Namespace) -> float:
-    """Return the rate per hour that a hardware description has for a component."""
-    from pathlib import Path
-
-    from tracerisk.common.hardware.formats import read_description
-
-    if options.hardware is None:
-        raise InputError(f"{where}: say with --hardware FILE which rate it takes the place of")
-    hardware = read_description(Path(options.hardware), system=options.system)
-    components = {component.name: component for component in hardware.components}
-    if name not in components:
-        raise InputError(f"{where}: no component '{name}'; {one_of(components, name)}")
-    figures = components[name].figures
-    seconds = figures[0].per.seconds if len(figures) == 1 else None
-    if seconds is None or figures[0].kind == "weibull" or figures[0].value <= 0.0:
-        raise InputError(
-            f"{where}: '{name}' has not one figure per time in {hardware.file}; "
-            f"set its probability, or a factor: {name}=x2"
-        )
-    return figures[0].value * 3600.0 / seconds
+def is_rate(name: str, text: str) -> bool:
+    """Return whether a value of `--set` is a rate of a component, as in `gripper.rate=5e-7/h`."""
+    return name.endswith(RATE) and "/" in text
 
 
 def parse_set(texts: Sequence[str], read: Callable[[str, str], float]) -> dict[str, float]:
@@ -194,19 +133,6 @@ def parse_set(texts: Sequence[str], read: Callable[[str, str], float]) -> dict[s
             raise InputError(f"--set names '{name}' twice; set it once")
         values[name] = read(value, f"--set {text}")
     return values
-
-
-def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
-    """Solve the model along each `--sweep`.
-
-    Raises InputError when a range is malformed, or a name unknown.
-    """
-    ranges = parse_sweeps(options, probability)
-    if not ranges:
-        return []
-    from tracerisk.prm.questions.set_values import log_spaced, sweep
-
-    return [sweep(model, name, log_spaced(low, high, count)) for name, low, high, count in ranges]
 
 
 def parse_sweeps(
@@ -231,39 +157,10 @@ def parse_sweeps(
     return sweeps
 
 
-def uncertainty_of(
-    model: HybridModel, options: argparse.Namespace, spreads: HardwareSpreads | None = None
-) -> Uncertainty | None:
-    """Return the spread of the mission's figure where `--uncertainty` asks for it.
-
-    `spreads` are those of a hardware description; `--error-factor` goes before them.
-
-    Raises InputError when an error factor is malformed, a name unknown, or what goes with
-    `--uncertainty` is given without it.
-    """
-    if not wants_uncertainty(options):
-        return None
-    from tracerisk.prm.questions.set_values import groups_of, parameters_of
-    from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
-
-    def known(name: str) -> str:
-        parameters_of(model, name)
-        return name
-
-    return propagate(
-        model,
-        samples=SAMPLES if options.samples is None else options.samples,
-        seed=options.seed or 0,
-        distributions=parse_error_factors(options.error_factors, groups_of(model), known),
-        figures=None if spreads is None else spreads.figures,
-        outcomes=None if spreads is None else spreads.outcomes,
-    )
-
-
 def wants_uncertainty(options: argparse.Namespace) -> bool:
     """Return whether `--uncertainty` is given; raise InputError for what goes with it alone."""
     if not options.uncertainty:
-        rates = any(_is_rate(*text.rpartition("=")[::2]) for text in options.set_values)
+        rates = any(is_rate(*text.rpartition("=")[::2]) for text in options.set_values)
         for option in ("error_factors", "samples", "seed", "hardware"):
             if getattr(options, option) not in (None, []) and not (option == "hardware" and rates):
                 name = option.replace("_factors", "-factor")
@@ -298,15 +195,6 @@ def parse_error_factors(
                 )
             into[key] = Lognormal(factor)
     return general | own
-
-
-def pairs_of(model: HybridModel, options: argparse.Namespace) -> Sequence[PairImportance] | None:
-    """Return the importance of each pair of parameters where `--pairs` asks for it."""
-    if not options.pairs:
-        return None
-    from tracerisk.prm.questions.pair_importance import pair_importances
-
-    return pair_importances(model)
 
 
 def what_if_data(

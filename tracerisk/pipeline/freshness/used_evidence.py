@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.text.digests import sha256
-from tracerisk.errors import InputError
+from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.workspace.project import file_version
 
 if TYPE_CHECKING:
@@ -29,6 +29,21 @@ def kept_evidence(controller: Controller) -> Evidence | None:
     if not path.exists():
         return None
     return _evidence_in(path, file_version(path)).get(controller.file)
+
+
+def needed_evidence(controller: Controller) -> Evidence:
+    """Return the evidence that is kept of a controller, whether it is stale or not.
+
+    Raises InputError where there is none, and as `kept_evidence`.
+    """
+    evidence = kept_evidence(controller)
+    if evidence is None:
+        raise InputError(
+            f"holds no evidence of {controller.file}; `tracerisk evidence {controller.path}` "
+            "gathers it",
+            Location(str(controller.root / EVIDENCE_NAME)),
+        )
+    return evidence
 
 
 @lru_cache(maxsize=1)
