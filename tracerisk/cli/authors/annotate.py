@@ -130,10 +130,9 @@ def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
         return read_log(text, name, controller=controller.file)
     trace = trace_json.loads(text, name)
     if not trace.is_usable:
-        live = "" if controller.is_python else " --live -- COMMAND"
         raise InputError(
             f"is the trace of a run that failed ({trace.end.message}); `tracerisk trace "
-            f"{options.controller} -o {name}{live}` makes another",
+            f"{options.controller} -o {name}{controller.live_words}` makes another",
             Location(name),
         )
     if trace.controller != controller.file:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -27,11 +27,11 @@ from tracerisk.pipeline.launch_files.records import (
     LaunchReading,
     LaunchSetup,
     RobotSource,
+    words_of_missing,
 )
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import Workspace, workspace_of
-from tracerisk.trace import NOT_THERE
 
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
@@ -267,8 +267,17 @@ def _setup(
         environment=tuple(pair for pair in node.environment if not pair[0].startswith(_NOT_SET)),
         own=best.private,
         sources=tuple(sorted({*shown([best.file.path, *best.reading.sources], root), *readme})),
+        missing=tuple(_missing(best, file, root)),
     )
     return replace(setup, notes=tuple(_notes(setup, best, candidates, asked, root)))
+
+
+def _missing(best: Candidate, shown_file: str, root: Path) -> Iterator[tuple[str, str]]:
+    """Yield the places of a launch file that load what is not there, each with that file."""
+    for place, path in best.reading.missing:
+        file, _, line = place.partition(":")
+        at = f"{shown_file}:{line}" if Path(file).name == best.file.path.name else place
+        yield at, shown([path], root)[0]
 
 
 def _notes(
@@ -298,14 +307,11 @@ def _notes(
             more = f" and {len(files) - _MOST_LISTED} more" if len(files) > _MOST_LISTED else ""
             choose = "" if is_same else "; --launch FILE takes another"
             lines.append(f"launch: {listed}{more} would give {which}{choose}")
-    for place, path in best.reading.missing:
-        file, _, line = place.partition(":")
-        at = f"{setup.file}:{line}" if Path(file).name == best.file.path.name else place
-        lines.append(
-            f"launch: {at} loads {shown([path], root)[0]}, {NOT_THERE}: its "
-            "parameters are missing, and roslaunch starts nothing without it; restore it, or "
-            "--launch FILE takes another launch file"
-        )
+    lines += [
+        f"launch: {words_of_missing(place, file)}; restore it, or --launch FILE takes another "
+        "launch file"
+        for place, file in setup.missing
+    ]
     if best.started > 1:
         lines.append(f"launch: {setup.file} starts it {best.started} times; one of them is run")
     for name, reason in _left_out(best, asked)[:_MOST_LISTED]:

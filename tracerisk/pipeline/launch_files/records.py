@@ -9,6 +9,7 @@ from typing import Literal
 
 from tracerisk.pipeline.launch_files.robot_sources import RobotSource
 from tracerisk.ros.graph.parameter_files import EVERY_NODE, Parameter
+from tracerisk.trace import NOT_THERE
 
 __all__ = [
     "EVERY_NODE",
@@ -105,6 +106,8 @@ class LaunchSetup:
     """Sentences on what is given, for outputs."""
     own: tuple[LaunchParameter, ...] = ()
     """The parameters that are meant for the controller's own node."""
+    missing: tuple[tuple[str, str], ...] = ()
+    """The places that load a file which is not there, each with the file, from the root."""
 
     def argv(self, given: Sequence[str]) -> tuple[str, ...]:
         """Return the command line of the controller: what is `given` goes before the launch file's.
@@ -137,6 +140,14 @@ class LaunchSetup:
         # Of two rules for one name the first one counts.
         rest = [*theirs, *rules]
         return (*(own or launched), *(["--ros-args", *rest] if rest else []))
+
+
+def words_of_missing(place: str, file: str) -> str:
+    """Return in words that a place of a launch file loads a file which is not there."""
+    return (
+        f"{place} loads {file}, {NOT_THERE}: its parameters are missing, and roslaunch starts "
+        "nothing without it"
+    )
 
 
 NOTHING_LAUNCHED = LaunchSetup("", "launch", 1)

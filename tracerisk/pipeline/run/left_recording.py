@@ -62,7 +62,9 @@ def left_recording(folder: Path, request: RunRequest) -> Recording:
     files_read += opened
     if (lines or files_read) and recording.note(STARTED) is not None:
         inputs = tuple(dict.fromkeys(files_read))
-        notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
+        missing = () if request.launch is None else request.launch.missing
+        noted = {"notes": tuple(lines), "inputs": inputs, "missing": missing}
+        notes += (Note(LAUNCH, noted),)
     return replace(recording, notes=notes)
 
 

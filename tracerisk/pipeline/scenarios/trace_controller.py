@@ -45,8 +45,8 @@ def trace_controller(
     if not controller.is_python and live_speed is None:
         raise InputError(
             "is C or C++: --live runs its node on the twin, "
-            f"`tracerisk run {controller.path} --live -- COMMAND`; or give the log or trace of its "
-            "own run: `tracerisk annotate FILE --log LOG` or `--trace TRACE`",
+            f"`tracerisk run {controller.path}{controller.live_words}`; or give the log or trace "
+            "of its own run: `tracerisk annotate FILE --log LOG` or `--trace TRACE`",
             Location(str(controller.path)),
         )
     require_runs("running a controller")
@@ -120,8 +120,7 @@ def nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedE
     # What went wrong says more than what was assumed before it.
     first = min(trace.findings, key=lambda finding: finding.kind in _NO_FAILURE)
     more = len(trace.findings) - 1
-    live = "" if controller.is_python else " --live -- COMMAND"
-    again = f"`tracerisk trace {controller.path}{live}`"
+    again = f"`tracerisk trace {controller.path}{controller.live_words}`"
     also = f" (and {more} more, which {again} prints)" if more else ""
     location = first.location
     place = (

@@ -16,6 +16,7 @@ from tracerisk.instrument.marks.call_log import CALLS, Calls
 from tracerisk.instrument.marks.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
+from tracerisk.pipeline.launch_files.records import words_of_missing
 from tracerisk.pipeline.mission.facts import mission_facts
 from tracerisk.pipeline.mission.judged import missed
 from tracerisk.pipeline.mission.named_objects import check_objects
@@ -37,7 +38,7 @@ from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, LAUNCH, OBJECTS
 from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.trace import NOT_THERE, EndCause, SuccessCondition, Visit
+from tracerisk.trace import EndCause, SuccessCondition, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -151,10 +152,8 @@ def _noted_grasps(run: RecordedRun) -> Iterator[Finding]:
 
 def _without_file(recording: Recording) -> Iterator[tuple[str, str, Location | None]]:
     """Yield which files the launch file loads that are not there: what they give is not in it."""
-    for line in (recording.note(LAUNCH) or {"notes": ()})["notes"]:
-        if NOT_THERE in line:
-            words = line.removeprefix("launch: ").partition(";")[0]
-            yield words.partition(" loads ")[2].partition(",")[0], words, None
+    for place, file in (recording.note(LAUNCH) or {"missing": ()})["missing"]:
+        yield file, words_of_missing(place, file), None
 
 
 def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:

@@ -95,6 +95,11 @@ class Controller:
         """Whether it is a Python program, not one of C or C++."""
         return not is_c(self.file)
 
+    @property
+    def live_words(self) -> str:
+        """What a command that runs it has behind its file: nothing where it is Python."""
+        return "" if self.is_python else " --live -- COMMAND"
+
     def path_of(self, file: str) -> Path:
         """Return the path of one of the controller's files, as messages call it."""
         if file == self.file:
