@@ -3,46 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from tracerisk.ros.scenario.success import COUNTED, Condition
 
 
-def asked_less(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what `old` asks and `new` does not, in words, with what `new` asks of the same.
+class AskedChange(NamedTuple):
+    """What a later version asks in place of what an earlier one does, in words."""
 
-    What `new` does not ask at all comes first.
-    """
-    gone, looser = [], []
+    less: tuple[str, ...] = ()
+    """What the earlier one asks and the later one does not, with what that asks of the same; what
+    it does not ask at all comes first."""
+    otherwise: tuple[str, ...] = ()
+    """What the later one asks in place of what the earlier one does, no less of it."""
+    newly: tuple[str, ...] = ()
+    """What the later one asks and the earlier one did not, but for the others."""
+
+
+def asked_change(old: Sequence[Condition], new: Sequence[Condition]) -> AskedChange:
+    """Return how what `new` asks differs from what `old` does."""
+    gone, looser, otherwise, known = [], [], [], []
     for condition in _not_implied(old, new):
-        now = _instead(condition, old, new)
+        now, was = _instead(condition, old, new), _words(condition)
+        known += now
+        others = [later for later in now if _is_another(later, condition)]
+        otherwise += [
+            f"{_words(later)}; before: {_what_differs(_words(later), was)}" for later in others
+        ]
         if not now:
-            gone.append(_words(condition))
-        elif not any(_is_another(later, condition) for later in now):
-            was = _words(condition)
+            gone.append(was)
+        elif not others:
             words = ", ".join(_what_differs(was, _words(later)) for later in now)
             looser.append(f"{was}; now: {words}")
-    return tuple(dict.fromkeys((*gone, *looser)))
-
-
-def asked_otherwise(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what `new` asks in place of what `old` does, no less of it, in words."""
-    lines = [
-        f"{_words(later)}; before: {_what_differs(_words(later), _words(condition))}"
-        for condition in _not_implied(old, new)
-        for later in _instead(condition, old, new)
-        if _is_another(later, condition)
-    ]
-    return tuple(dict.fromkeys(lines))
-
-
-def asked_newly(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what `new` asks and `old` did not, in words, but for what the others return."""
-    known = [
-        later for condition in _not_implied(old, new) for later in _instead(condition, old, new)
-    ]
-    newly = (later for later in _not_implied(new, old) if later not in known)
-    return tuple(dict.fromkeys(map(_words, newly)))
+    newly = [_words(later) for later in _not_implied(new, old) if later not in known]
+    less = dict.fromkeys((*gone, *looser))
+    return AskedChange(tuple(less), tuple(dict.fromkeys(otherwise)), tuple(dict.fromkeys(newly)))
 
 
 def _instead(

@@ -338,13 +338,9 @@ def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], ...]:
         return (f"what it asked, as far as is known: {why}",), (), ()
     if old == new:
         return (), (), ()
-    from tracerisk.pipeline.mission import asked  # few changes touch it
+    from tracerisk.pipeline.mission.asked import asked_change  # few changes touch it
 
-    return (
-        asked.asked_less(old, new),
-        asked.asked_otherwise(old, new),
-        asked.asked_newly(old, new),
-    )
+    return asked_change(old, new)
 
 
 def _checks(controller: ReviewedController, renamed: Mapping[str, str]) -> tuple[ChangedCheck, ...]:
