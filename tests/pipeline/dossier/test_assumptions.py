@@ -6,15 +6,17 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.traced.elements import Payload
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.config import Settings
 from tracerisk.errors import Location
 from tracerisk.pipeline.dossier.assumptions import GENERAL, assumptions
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html.report_input import ReportInput
-from tracerisk.trace import RunEnd, Trace
+from tracerisk.trace import RunEnd, Trace, Visit
 
 HARDWARE = """\
 components:
@@ -82,9 +84,38 @@ def test_what_the_data_of_a_component_assume_is_on_it(described):
         "- gear: it works at 55 degC, where its rate is 3.273 times that at 40 degC, by "
         "Arrhenius' law with 0.7 eV",
         "- gear: 5 % of the failures of a unit have a cause that fails all units",
-        "- gear: 60 % of its failures come from wear, and grow with load to the power of 3",
+        "- gear: 60 % of its failures come from wear, and grow with load to the power of 3, "
+        "above 40 % of the rated torque (`reference_load`): below it they count for less",
     ]
     assert "unused: " not in assumptions(described, {})
+
+
+def test_what_else_makes_the_figure_of_a_component_smaller_is_on_it(report, tmp_path):
+    text = HARDWARE.replace(
+        "    common_cause: {beta: 0.05}\n", "    spare: warm\n    dormancy: 0.1\n"
+    )
+    text = text.replace("wearing_share: 0.6", "wearing_share: 0.6, reference_speed: 0.5")
+    text = text.replace(
+        "    quantity", "    modes: {jam: {fraction: 0.4, when: [moving]}}\n    quantity"
+    )
+    (tmp_path / "cell.yaml").write_text(text)
+    hardware = load_hardware(Settings(hardware=str(tmp_path / "cell.yaml")), "panda")
+    page = assumptions(replace(report, hardware=hardware), {})
+    for words in (
+        "its wear is that of a motion at 50 % of the rated speed",
+        "a spare fails 0.1 times as often before it is needed as a unit at work",
+        "some of its failures count in certain uses alone: jam (40 %) moving",
+    ):
+        assert f"- gear: {words}" in page
+
+
+def test_the_masses_of_what_was_carried_are_on_it(report):
+    held = Payload("panda_hand", "tube", 0.004, 2.0, 1.0, 2.0)
+    ref = FunctionRef("arm.py", QualifiedName("pick"))
+    visit = Visit(ref, 0.0, 2.0, "done", {}, (held,))
+    trace = Trace("arm.py", "panda", "cell", RunEnd("ended", "it returned", 1.0), (), (), (visit,))
+    page = assumptions(replace(report, trace=trace), {})
+    assert "- what was carried has the mass that the scene gives it: tube 0.004 kg" in page
 
 
 def test_a_redundant_pair_without_a_common_cause_is_named(report, tmp_path):

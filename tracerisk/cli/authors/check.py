@@ -123,7 +123,11 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
             findings=[finding_data(check_finding) for check_finding in findings],
             errors=[str(error) for error in errors],
             verdicts=[
-                {"controller": str(check_finding.path), **verdict_json(check_finding.verdict)}
+                {
+                    "controller": str(check_finding.path),
+                    **verdict_json(check_finding.verdict),
+                    "notes": list(check_finding.notes),
+                }
                 for check_finding in checked
             ],
         )
@@ -192,11 +196,12 @@ def _with_files(checked: Checked) -> Verdict | None:
 
 
 def _notes(checked: Sequence[Checked], *, is_brief: bool) -> Iterator[str]:
-    """Yield what a user should know of verdicts that pass."""
+    """Yield what a user should know of verdicts that pass, and of what figures rest on."""
     for check_finding in checked:
+        yield from (f"{check_finding.path}: {words}" for words in check_finding.notes)
         if is_c(check_finding.path.name):
             continue
-        if check_finding.verdict is None and {"unknown", "gone"}.isdisjoint(
+        if check_finding.verdict is None and {"unknown", "gone", "stale"}.isdisjoint(
             f.kind for f in check_finding.findings
         ):
             yield (

@@ -161,11 +161,12 @@ def _settle(done: Refreshed, path: Path, options: argparse.Namespace) -> bool:
     """Write or show what changed; return whether `--check` is to report it."""
     if done.lock is not None and not (options.check or options.diff):
         write_or_remove(controller_root(path) / LOCK_NAME, done.lock)
-    if done.annotated is None or not done.is_changed:
+    if done.annotated is None:
         return False
-    if options.diff:
+    if options.diff and done.is_changed:
         print_diffs(done.annotated)
     if options.check or options.diff:
-        return bool(options.check)
+        return bool(options.check) and done.is_changed
+    # Where blocks stay as they are, too: the run that is kept may have been another one.
     done.annotated.write()
     return False

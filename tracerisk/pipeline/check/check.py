@@ -22,7 +22,7 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
 from tracerisk.pipeline.check.not_in_git import untracked_findings
-from tracerisk.pipeline.check.reasons import without_reason
+from tracerisk.pipeline.check.reasons import set_by_hand, without_reason
 from tracerisk.pipeline.check.remedies import as_typed, with_remedy
 from tracerisk.pipeline.check.run import (
     CoverageLimits,
@@ -128,7 +128,12 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     is_whole = all(finding.kind not in ("missing", "orphaned") for finding in findings)
     if is_whole:
         limits_of_model = {} if findings else _limits_of_model(settings)
-        findings += _of_model(controller, entry, _blocks(sources), limits_of_model)
+        known = {finding.subject.rpartition(".")[0] for finding in findings}
+        findings += (
+            finding
+            for finding in _of_model(controller, entry, _blocks(sources), limits_of_model)
+            if finding.kind != "moved" or finding.subject not in known
+        )
     if settings.fail_on in ("finding", "unexpected_contact"):
         findings += contact_findings(controller, entry)
     verdict = _verdict(entry, sources)
@@ -139,7 +144,10 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     if settings.require_worlds:
         findings += world_findings(controller, _worlds(entry, sources), settings.require_worlds)
     findings = [with_remedy(finding, controller.path) for finding in findings]
-    return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
+    notes = (*_by_hand(sources), *_given(recorded))
+    found = tuple(sorted(findings, key=_order))
+    # What stands in a lock that is not as it was written is nobody's verdict.
+    return Checked(controller.path, found, None if entry.is_mixed else verdict, notes)
 
 
 def check_controllers(
@@ -231,7 +239,7 @@ def _stale(
     if reasons:
         changed = CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
         yield refused_finding(controller, entry, settings) or changed
-    elif entry.others:
+    if entry.others and not reasons:
         message = f"{LOCK_NAME} holds the last runs of several branches"
         yield CheckFinding("stale", message, place)
     elif entry.is_mixed:
@@ -268,6 +276,32 @@ def _set_by_hand(
         yield from unequal_units(entry, sources)
     if entry.owned:
         yield from moved_values(entry, sources, _blocks(sources))
+
+
+def _by_hand(sources: Sequence[CheckedSource]) -> Iterable[str]:
+    """Yield how many values of the blocks are a user's, and where they are listed."""
+    by_hand = [
+        value for source in sources for one in source.placed for value in set_by_hand(one.block)
+    ]
+    if by_hand:
+        bare = sum(reason is None for _, _, reason in by_hand)
+        files = " ".join(
+            as_typed(Path(source.shown))
+            for source in sources
+            if any(has_pins(one.block) for one in source.placed)
+        )
+        number = "1 value is" if len(by_hand) == 1 else f"{len(by_hand)} values are"
+        yield (
+            f"{number} set by hand, {bare or 'none'} without a reason; "
+            f"`tracerisk overrides {files}` lists them"
+        )
+
+
+def _given(recorded: RunInputs) -> Iterable[str]:
+    """Yield the options that the last run had from its command line, and a refresh has again."""
+    if recorded.given:
+        listed = ", ".join(f"{name} = {value}" for name, value in recorded.given.items())
+        yield f"its last run was given on the command line, beside the settings: {listed}"
 
 
 def _blocks(sources: Sequence[CheckedSource]) -> dict[FunctionRef, RiskBlock]:

@@ -82,6 +82,8 @@ class Checked(NamedTuple):
     """All findings, sorted by place; empty where the blocks may be trusted."""
     verdict: Verdict | None = None
     """The verdict of the last run; `None` where the lock keeps none."""
+    notes: tuple[str, ...] = ()
+    """What else the figure rests on that no finding says: values by hand, options of one run."""
 
 
 def finding_data(finding: CheckFinding) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.blocks.values import has_pins
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -34,10 +35,19 @@ def model_findings(
     ]
     place = Location(str(controller.path), 1)
     try:
-        mission = solve_figures(build_model(blocks, name=controller.path.name)).mission
+        figures = solve_figures(build_model(blocks, name=controller.path.name))
     except (BlockError, ModelError) as error:
         yield CheckFinding("unsolvable", error.message, error.location or place)
         return
+    mission = figures.mission
+    for ref, block in placed.items():
+        if has_pins(block) and figures.expected_visits[names[ref]] == 0.0:
+            message = (
+                f"what is set by hand in the block of {ref.name} counts nothing: no `next` leads "
+                "to it, as the last run did not visit it; remove it, or write it where that is "
+                "done now"
+            )
+            yield CheckFinding("moved", message, block.location or place, ref.name)
     for name, limit in limits.items():
         is_whole = name == "max_failure_probability"
         risk = mission.failure_probability if is_whole else mission.undetected_or_all

@@ -99,7 +99,9 @@ def refresh_controller(
         is_settled = entry.is_settled and not wants_fresh and is_judged
         checked = check_controller(path, projects)
         kinds = {finding.kind for finding in checked.findings}
-        if is_settled and not kinds & MENDED_BY_REFRESH:
+        kept = cache.read(recorded.fingerprint, controller.file)
+        is_other = kept is not None and not is_run_of(entry.trace, kept)
+        if is_settled and not is_other and not kinds & MENDED_BY_REFRESH:
             for finding in checked.findings:
                 if finding.kind == "unequal":
                     raise BlockError(finding.message, finding.location)
@@ -109,9 +111,9 @@ def refresh_controller(
             return Refreshed("fresh", text, verdict=checked.verdict, unwritten_moved=moved)
         reasons = stale_reasons(recorded, controller, settings)
         if not reasons:
-            trace = cache.read(recorded.fingerprint, controller.file)
+            trace = kept
             reasons = () if trace is not None else ("its trace is not kept here",)
-            if trace is not None and not is_run_of(entry.trace, trace):
+            if is_other:
                 trace, reasons = None, (f"the trace kept here is not the one of {LOCK_NAME}",)
             if not is_judged:
                 reasons = ("its last run has no verdict",) if trace is None else ()

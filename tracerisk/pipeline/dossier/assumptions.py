@@ -52,7 +52,7 @@ GENERAL = (
         "another order of steps than on the robot",
     ),
     (
-        "Masses, torques and payload are those of the robot's description",
+        "Masses and torques are those of the robot's description, and payloads those of the scene",
         "the load law is off; it has no effect unless the description states one",
     ),
     (
@@ -78,7 +78,7 @@ def assumptions(
     `settings` are those of the run that are not the default, `sources` the files of the dossier
     with the controller's code.
     """
-    data = (*_environment(sources), *_parts(report), *_of_data(report))
+    data = (*_environment(sources), *_carried(report), *_parts(report), *_of_data(report))
     lines = (*report.assumptions, *report.assessment.assumptions, *data)
     found = (*report.findings, *report.assessment.findings)
     general = (f"{assumption}. If wrong: {effect}" for assumption, effect in GENERAL)
@@ -129,6 +129,21 @@ def _environment(sources: Mapping[str, bytes]) -> Iterator[str]:
             f"the controller reads the clock ({', '.join(lines)}), which begins at "
             "2026-01-01T00:00:00 UTC in each run and goes on with the simulated time"
         )
+
+
+def _carried(report: ReportInput) -> Iterator[str]:
+    """Yield what the run carried, by the masses that the scene or the scenario gives."""
+    trace = report.trace
+    held = (
+        {}
+        if trace is None
+        else {
+            payload.object: payload.mass_kg for visit in trace.visits for payload in visit.payloads
+        }
+    )
+    if held:
+        listed = ", ".join(f"{name} {mass_kg:.4g} kg" for name, mass_kg in sorted(held.items()))
+        yield f"what was carried has the mass that the scene gives it: {listed}"
 
 
 def _parts(report: ReportInput) -> Iterator[str]:
@@ -209,8 +224,34 @@ def _of_component(component: Component) -> Iterator[str]:
     if law is not None:
         yield (
             f"{100.0 * law.wearing_share:.4g} % of its failures come from wear, and grow with load "
-            f"to the power of {law.exponent:.4g}"
+            f"to the power of {law.exponent:.4g}, above {100.0 * law.reference_load:.4g} % of the "
+            "rated torque (`reference_load`): below it they count for less"
         )
+        if law.reference_speed is not None:
+            yield (
+                f"its wear is that of a motion at {100.0 * law.reference_speed:.4g} % of the rated "
+                "speed (`reference_speed`): a slower one counts for less"
+            )
+    yield from _kept_low(component)
+
+
+def _kept_low(component: Component) -> Iterator[str]:
+    """Yield what else a description states that makes the figure of a component smaller."""
+    redundancy = component.redundancy
+    if redundancy.has_spares:
+        yield (
+            f"a spare fails {redundancy.dormancy:.4g} times as often before it is needed as a "
+            f"unit at work, and does not take over with probability {redundancy.switch:.4g}"
+        )
+    if redundancy and redundancy.detected == "each_visit":
+        yield "a first failure of a redundant group is found and mended before each visit"
+    if any(mode.when for mode in component.modes):
+        listed = ", ".join(
+            f"{mode.name} ({100.0 * mode.fraction:.4g} %) {' and '.join(mode.when)}"
+            for mode in component.modes
+            if mode.when
+        )
+        yield f"some of its failures count in certain uses alone: {listed}"
 
 
 def _pins(report: ReportInput) -> str:
