@@ -41,6 +41,16 @@ BROKEN = (
         True,
     ),
     Broken(
+        _one("temperature: {rated: 40, working: 55, activation_energy: 0.7}"),
+        "h.yaml:3:5: unknown key 'temperature' in components.a; it belongs into a mean time or a rate, as in mtbf: {value: 42000, unit: hour, temperature: {rated: 40, working: 55, activation_energy: 0.7}}",
+        True,
+    ),
+    Broken(
+        _one("reference_load: 0.3"),
+        "h.yaml:3:5: unknown key 'reference_load' in components.a; it belongs into 'load_law'",
+        True,
+    ),
+    Broken(
         _one("mtbf_h: {value: 200000, per: hour}"),
         "h.yaml:3:5: unknown key 'mtbf_h' in components.a; write 'mtbf: {value: 200000, unit: hour}' among the keys of the component",
         True,

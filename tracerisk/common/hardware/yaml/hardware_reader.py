@@ -14,8 +14,8 @@ from tracerisk.common.hardware.yaml.redundancy import (
     read_redundancy,
     read_repair,
 )
-from tracerisk.common.hardware.yaml.twin import read_twin
-from tracerisk.common.hardware.yaml.use import read_load_law, read_modes
+from tracerisk.common.hardware.yaml.twin import TWIN_KEYS, read_twin
+from tracerisk.common.hardware.yaml.use import LAW_KEYS, MODE_KEYS, read_load_law, read_modes
 from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.errors import HardwareError, Location
 
@@ -37,6 +37,29 @@ _COMPONENT_KEYS = (
         "source",
     }
 )
+
+_WITHIN = {
+    "a mean time or a rate, as in mtbf: {value: 42000, unit: hour, temperature: {rated: 40, "
+    "working: 55, activation_energy: 0.7}}": {"temperature"},
+    "'mttfd' or 'b10d'": {"dangerous"},
+    "'b10' or 'b10d'": {"cycles"},
+    "'weibull'": {"shape", "scale"},
+    "a figure, as in failure_rate: {value: 1e-6, per: hour, error_factor: 3}": {
+        "value",
+        "per",
+        "unit",
+        "of",
+        "error_factor",
+        "value_is",
+    },
+    "'load_law'": LAW_KEYS - {"source"},
+    "a mode of 'modes'": MODE_KEYS - {"source"},
+    "'twin'": TWIN_KEYS,
+    "'common_cause'": {"beta"},
+    "'repair'": {"mean_time", "in_mission"},
+    "'detected'": {"test_interval"},
+}
+"""The keys that stand within one of a component's own, by what holds them."""
 
 
 def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
@@ -64,7 +87,7 @@ def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
 
 
 def _component(name: str, entry: YamlMap, location: Location) -> Component:
-    entry.forbid_unknown(_COMPONENT_KEYS, sheet_hint)
+    entry.forbid_unknown(_COMPONENT_KEYS, _level_hint)
     figures = read_figures(entry)
     redundancy, test_interval_s = read_redundancy(entry, figures)
     twin = read_twin(entry)
@@ -93,6 +116,13 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
 
     check_component(component, place)
     return component
+
+
+def _level_hint(key: str, value: object) -> str:
+    """Return where a key of a component belongs, or how a data sheet's figure is written, if so."""
+    holders = (holder for holder, keys in _WITHIN.items() if key in keys)
+    holder = next(holders, "")
+    return f"it belongs into {holder}" if holder else sheet_hint(key, value)
 
 
 def _quantity(entry: YamlMap, twin: TwinBinding | None) -> int | None:

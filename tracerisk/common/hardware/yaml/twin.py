@@ -11,7 +11,7 @@ from tracerisk.common.traced.elements import SensorKind
 from tracerisk.errors import HardwareError, one_of
 
 _SEEN_KEYS = frozenset({"joints", "gripper", "actuators", "sensors", "contacts"})
-_TWIN_KEYS = _SEEN_KEYS | {"optional"}
+TWIN_KEYS = _SEEN_KEYS | {"optional"}
 _SENSOR_KINDS: dict[str, SensorKind] = words(SensorKind)
 
 
@@ -20,7 +20,7 @@ def read_twin(entry: YamlMap) -> TwinBinding | None:
     twin = entry.optional_map("twin")
     if twin is None:
         return None
-    twin.forbid_unknown(_TWIN_KEYS)
+    twin.forbid_unknown(TWIN_KEYS)
     if not set(twin.keys()) & _SEEN_KEYS:
         raise HardwareError(
             f"{entry.name_of('twin')}: is empty; {one_of(_SEEN_KEYS)}, or write 'active: always' "

@@ -22,8 +22,8 @@ from tracerisk.errors import HardwareError, one_of
 USES: Mapping[str, State | Demand] = words(State) | words(Demand)
 """The words for the uses in which a failure mode can matter."""
 
-_LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
-_MODE_KEYS = frozenset({"fraction", "when", "source", "fault", "lasts_s"})
+LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
+MODE_KEYS = frozenset({"fraction", "when", "source", "fault", "lasts_s"})
 
 
 def read_load_law(entry: YamlMap) -> LoadLaw | None:
@@ -31,7 +31,7 @@ def read_load_law(entry: YamlMap) -> LoadLaw | None:
     law = entry.optional_map("load_law")
     if law is None:
         return None
-    law.forbid_unknown(_LAW_KEYS)
+    law.forbid_unknown(LAW_KEYS)
     return LoadLaw(
         reference_load=_fraction(law, "reference_load"),
         wearing_share=law.number("wearing_share", minimum=0.0, maximum=1.0),
@@ -52,7 +52,7 @@ def read_modes(entry: YamlMap) -> tuple[FailureMode, ...]:
 
 
 def _mode(name: str, mode: YamlMap) -> FailureMode:
-    mode.forbid_unknown(_MODE_KEYS)
+    mode.forbid_unknown(MODE_KEYS)
     given = mode.strings("when") if "when" in mode else ()
     if "when" in mode and not given:
         mode.fail("when", f"is an empty list; {one_of(USES)}")
