@@ -1,5 +1,7 @@
 """The band that is shown without being asked for."""
 
+import math
+
 import pytest
 
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
@@ -36,8 +38,16 @@ def test_it_is_that_of_the_lognormal_where_one_figure_counts(hardware):
     assert (band.drawn, band.exact) == (("motor",), ("gripper",))
     assert band.words == (
         f"With 90 % probability that figure lies between {band.low:.1e} and {band.high:.1e}, by "
-        "the error factors of motor in 2,000 samples; gripper has none and counts as exact."
+        "the error factors of motor in 2,000 samples; gripper has none and counts as exact. "
+        f"The mean is {band.mean:.1e}, {100.0 * (band.mean / 1e-6 - 1.0):.2g} % above the figure."
     )
+    # exp(sigma^2 / 2) times the median, where 1.645 sigma is the logarithm of the error factor.
+    assert band.mean == pytest.approx(1e-6 * math.exp((math.log(3.0) / 1.6449) ** 2 / 2), rel=0.02)
+
+
+def test_a_mean_that_few_draws_decide_is_not_told():
+    band = module.Band(1e-9, 1e-3, ("motor",), (), None, 1e-6)
+    assert "Their mean hangs on the few greatest of them" in band.words
 
 
 def test_without_an_error_factor_there_is_none(hardware):

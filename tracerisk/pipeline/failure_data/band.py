@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 SAMPLES = 2_000
 """The number of draws; of 30 seeds, the ends of a band were within 4 % of those of 10^5."""
 _LOW, _HIGH = 5.0, 95.0  # [%]
+_SEEN = 0.01  # of a figure: samples tell no less
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,10 @@ class Band:
     """The components whose figures were drawn."""
     exact: tuple[str, ...]
     """The components of the model whose figures have no error factor, and count as exact."""
+    mean: float | None
+    """The mean of the draws; `None` where it hangs on the few greatest of them."""
+    point: float
+    """The figure itself, with every parameter at its point value."""
 
     @property
     def words(self) -> str:
@@ -41,8 +46,17 @@ class Band:
         exact = f"; {', '.join(self.exact)} {verb} as exact" if self.exact else ""
         return (
             f"With 90 % probability that figure lies between {self.low:.1e} and {self.high:.1e}, "
-            f"by the error factors of {', '.join(self.drawn)} in {SAMPLES:,} samples{exact}."
+            f"by the error factors of {', '.join(self.drawn)} in {SAMPLES:,} samples{exact}. "
+            f"{self._mean_words}"
         )
+
+    @property
+    def _mean_words(self) -> str:
+        if self.mean is None:
+            return "Their mean hangs on the few greatest of them, and is not known."
+        more = self.mean / self.point - 1.0 if self.point > 0.0 else 0.0
+        than = f"{100.0 * abs(more):.2g} % {'above' if more > 0.0 else 'below'} the figure"
+        return f"The mean is {self.mean:.1e}{f', {than}' * (abs(more) >= _SEEN)}."
 
 
 def band_lacks(hardware: Hardware) -> str:
@@ -86,4 +100,5 @@ def figure_band(
     found = propagate(model, samples=SAMPLES, seed=seed, figures=spreads.figures)
     of_level = dict(zip(found.levels, found.percentiles, strict=True))
     exact = tuple(name for name in groups_of(model) if name not in spreads.figures)
-    return Band(of_level[_LOW], of_level[_HIGH], tuple(spreads.figures), exact)
+    mean = found.mean if found.knows_mean else None
+    return Band(of_level[_LOW], of_level[_HIGH], tuple(spreads.figures), exact, mean, found.point)
