@@ -525,6 +525,25 @@ def test_what_nobody_made_use_of_is_a_finding(example):
     assert {each["code"] for each in trace["verdict"]["reasons"]} == {"unused-input"}
 
 
+def test_what_the_controller_asks_for_by_another_spelling_is_named(example):
+    source = "from std_srvs.srv import Trigger\n" + LISTENER
+    client = "rospy.ServiceProxy('/detct', Trigger)\n"
+    example.write("c.py", source.replace('"angle"', '"/part_angel"') + client + "listener.turn()\n")
+    example.write(
+        "s.yaml",
+        "publish:\n  - {topic: /part_angle, type: std_msgs/Float64, rate: 5}\n"
+        "services:\n  - {name: /detect, type: std_srvs/Trigger}\n",
+    )
+    trace = example.run("trace", "c.py", "--json", "--no-draft", "--scenario", "s.yaml").json[
+        "trace"
+    ]
+    said = [found["message"] for found in trace["findings"] if found["kind"] == "unused"]
+    assert any(
+        "did you mean /part_angel? The controller asks for it in vain (c.py:" in t for t in said
+    )
+    assert any("did you mean /detct? The controller asks for it in vain (c.py:" in t for t in said)
+
+
 def test_a_controller_that_waits_to_be_called_is_reported_how(example):
     body = "rospy.Service('/turn', Trigger, listener.on_call)\nrospy.spin()\n"
     source = LISTENER.replace(

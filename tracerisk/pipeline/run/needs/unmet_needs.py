@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.near_names import near_names
 from tracerisk.errors import Location
 from tracerisk.pipeline.run.needs.lacked import Lacked, below_root, typed
 from tracerisk.pipeline.run.needs.noted_drafts import NotedDrafts
@@ -100,7 +101,7 @@ class UnmetNeeds:
         """Return the end of a run with what it lacked, where that may be why it ended."""
         for text, place, entry in self.unused():
             here = replace(place, file=Path(place.file).name)
-            text = f"in the scenario, but {text}"
+            text = f"in the scenario, but {text}{self._asked_instead(text)}"
             self.runtime.recorder.finding("unused", text, here, object_name=entry)
         cause, message = self._judge_unanswered(cause, message)
         if cause == "raised" and self._is_asked_beyond_answers(message):
@@ -153,6 +154,22 @@ class UnmetNeeds:
             text = f"{message}; nothing provides {self.listed(unmet)}{also}"
             return replace(plain, message=text, scenario=lines)
         return replace(plain, message=f"{message}{also}", scenario=lines)
+
+    def _asked_instead(self, unused: str) -> str:
+        """Return in words what the controller asks for in vain by a name near that of an entry.
+
+        `unused` says that nobody uses the entry, its name last.
+        """
+        asked = {
+            missed.need.name: missed
+            for missed in (*self._lacked.unserved(), *self._lacked.missed())
+        }
+        near = near_names(unused.rpartition(" ")[2], asked)
+        return "".join(
+            f"; did you mean {name}? The controller asks for it in vain ({place})"
+            for name in near
+            if (place := below_root(asked[name].location, self.root)) is not None
+        )
 
     def _judge_unanswered(self, cause: EndCause, message: str) -> tuple[EndCause, str]:
         """Report goals of a scenario without a result; return how the run then ended, in words.
@@ -239,8 +256,7 @@ class UnmetNeeds:
             self.runtime.recorder.finding(
                 "unprovided",
                 f"nothing provides {missed.need.words}, to which the controller listens; a "
-                "scenario "
-                "(--scenario) can",
+                "scenario (--scenario) can",
                 below_root(missed.location, self.root),
                 object_name=missed.need.name,
             )
