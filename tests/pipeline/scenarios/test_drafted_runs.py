@@ -199,6 +199,16 @@ def test_a_fault_that_comes_after_drafted_values_is_not_reported_in_place_of_the
     assert "waits for a message on /object" in plain.err
 
 
+def test_of_a_drafted_message_is_told_when_it_comes(example):
+    """What comes while nobody waits for it has no effect, and nothing else shows that."""
+    example.write("c.py", MESSAGE)
+    (reason,) = example.run("run", "c.py", "--json").json["verdict"]["reasons"]
+    assert "publish /part is drafted: " in reason["words"]
+    assert reason["words"].endswith(
+        ", once, 2 s after the controller subscribes; nobody has confirmed it"
+    )
+
+
 def test_what_goes_wrong_with_drafted_values_is_told_beside_what_it_lacks(example):
     wrong = "rospy.wait_for_message('/part', String)\nturn(0.1)\nrospy.logerr('no such part')\n"
     example.write("c.py", HEAD + wrong)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from difflib import SequenceMatcher
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.text.bounded import file_text
@@ -216,7 +216,25 @@ class _Places:
         self.drafted += 1
         text = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)
         text = _LINE_OF_SOURCE.sub(r"\1", text)
+        key = self._search.entry_at(self._entries, place.line or 0)
+        if key is not None and key[0] == "publish":
+            text += f", {_when(self._entries.drafts[key].value)}"
         return replace(moved, words=f"{text}; nobody has confirmed it")
+
+
+def _when(entry: Mapping[str, Any]) -> str:
+    """Return in words when what a drafted entry of `publish` sends comes.
+
+    What comes while nobody waits for it has no effect, and a run goes on without it.
+    """
+    count = entry.get("count", len(entry.get("messages", ())))
+    if "rate" in entry:
+        return f"{entry['rate']:g} times a second" + (f", {count} times" if count else "")
+    if "at" in entry:
+        at = entry["at"] if isinstance(entry["at"], list) else [entry["at"]]
+        return f"at {', '.join(f'{seconds:g}' for seconds in at)} s"
+    after = f"{entry['after']:g} s after" if "after" in entry else "when"
+    return f"once, {after} the controller subscribes"
 
 
 def _lines_of_base(base: Path | None, text: str) -> Mapping[int, int]:
