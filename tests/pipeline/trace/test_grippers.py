@@ -172,6 +172,26 @@ def test_a_grasp_that_ends_at_another_width_aborts_its_command(tmp_path, example
     assert outcome.code == bool(missed)
 
 
+def test_a_grasp_that_was_aborted_for_want_of_things_is_said_to_be_no_fault(tmp_path, example_in):
+    """The controller tries again, and what it tries then cannot hold anything either."""
+    arm = (
+        "import moveit_commander\narm = moveit_commander.MoveGroupCommander('panda_arm')\n"
+        "def turn(angle):\n    joints = arm.get_current_joint_values()\n"
+        "    joints[0] += angle\n    arm.go(joints, wait=True)\n"
+    )
+    calls = "wide()\nturn(0.2)\ntake(0.02) or take(0.02, 0.04)\nturn(-0.2)\nwide()\n"
+    example = example_in(tmp_path)
+    example.write("c.py", f"{GRASP}{arm}{calls}")
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda")
+    assert [reason["code"] for reason in verdict(outcome)] == []
+    (found,) = [
+        finding
+        for finding in outcome.json["trace"]["findings"]
+        if finding["kind"] == "nothing_to_grasp"
+    ]
+    assert found["message"].endswith("; that its goal was aborted is no fault therefore")
+
+
 GRIPPER_COMMAND = """\
 import actionlib
 import rospy

@@ -420,6 +420,19 @@ def test_a_thing_that_fell_is_a_reason_at_the_last_command(was_held, code):
     assert "fell 150 mm" in reason.words
 
 
+@pytest.mark.parametrize(
+    ("name", "touched_s", "is_said"),
+    [("tube", 3.4, True), ("tube", 1.0, False), ("tube_2", 3.4, False)],
+)
+def test_the_touch_before_a_thing_slips_is_in_its_reason(name, touched_s, is_said):
+    words = f"unexpected contact: {name}, which is held, touches rack in place: up to 275 N; may bear 20 N"
+    touch = finding("unexpected_contact", message=words, time_s=touched_s)
+    fall = Fall("tube", 3.5, 0.15, True, slipped_from="hand")
+    (reason,) = judge(recorded(findings=(touch,), falls=(fall,))).reasons
+    said = "(unexpected contact: tube, which is held, touches rack in place: up to 275 N, 0.10 s before)"
+    assert (said in reason.words) is is_said
+
+
 def test_a_thing_that_tipped_is_a_reason():
     (reason,) = judge(recorded(falls=(Fall("tube", 3.5, 0.0, False, is_tipped=True),))).reasons
     assert reason.code == "object-tipped"

@@ -14,6 +14,8 @@ UNUSED = "unused"
 has confirmed."""
 NOTHING_TO_GRASP = "nothing_to_grasp"
 """The kind of a finding on where a gripper closed on nothing, and that was no fault."""
+UNEXPECTED_CONTACT = "unexpected_contact"
+"""The kind of a finding on a touch that was not to be expected."""
 NOTES: frozenset[str] = frozenset(
     {
         "assumed_name",

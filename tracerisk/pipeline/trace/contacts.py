@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.common.traced.elements import Exposure
-from tracerisk.common.traced.findings import Finding
+from tracerisk.common.traced.findings import UNEXPECTED_CONTACT, Finding
 from tracerisk.errors import Location
 from tracerisk.instrument.ownership import Attribution
 from tracerisk.pipeline.trace.last_run import contact_text, unexpected_contacts
@@ -30,8 +30,6 @@ from tracerisk.twin.recording.exposure import ElementExposures
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
-
-UNEXPECTED_CONTACT = "unexpected_contact"
 
 
 def with_contacts(

@@ -5,10 +5,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from tracerisk.common.traced.findings import Finding
+from tracerisk.common.traced.findings import UNEXPECTED_CONTACT, Finding
 from tracerisk.common.verdict import (
     INPUT_ASSUMED,
     MISSED_CALL,
@@ -29,6 +30,7 @@ from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.falls import how_it_fell
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
 from tracerisk.pipeline.trace.recorded_run import (
+    Fall,
     IssuedCommand,
     MissedCommand,
     MissedCondition,
@@ -67,6 +69,7 @@ _OF_FINDING = {
     "functions_assumed": INPUT_ASSUMED,
     "companion_failed": "companion-failed",
 }
+_CAUSE_S = 1.0  # a touch that long before a thing falls may have made it fall [s]
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})
 
 
@@ -321,6 +324,7 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
         before = [command for command in run.commands if command.issue_s <= fall.time_s]
         cause = before[-1] if before else None
         code, words = how_it_fell(fall)
+        words += _touched_before(fall, run.findings)
         yield _reason(
             code,
             f"'{fall.object}' {words}",
@@ -330,6 +334,16 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
             location=cause.location if cause else None,
             called_from=cause.called_from if cause else None,
         )
+
+
+def _touched_before(fall: Fall, findings: Sequence[Finding]) -> str:
+    """Return in words which unexpected contact of a thing may have made it fall; empty for none."""
+    for finding in findings:
+        since_s = fall.time_s - (finding.time_s or 0.0)
+        is_of_it = re.search(rf"(?<!\w){re.escape(fall.object)}(?!\w)", finding.message)
+        if finding.kind == UNEXPECTED_CONTACT and is_of_it and 0.0 <= since_s <= _CAUSE_S:
+            return f" ({finding.message.partition(';')[0]}, {since_s:.2f} s before)"
+    return ""
 
 
 # What was not there

@@ -35,6 +35,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     UnmetNeed,
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, LAUNCH, OBJECTS, UNMET
+from tracerisk.pipeline.trace.unfinished import retry_of
 from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
@@ -140,9 +141,11 @@ def _noted_grasps(run: RecordedRun) -> Iterator[Finding]:
     for empty_grasp in empty_grasps(run.commands, has_objects=run.has_objects):
         if not empty_grasp.is_fault:
             command = empty_grasp.command
+            settled = command.end == "aborted" and retry_of(run, run.commands.index(command))
+            no_fault = "; that its goal was aborted is no fault therefore" if settled else ""
             yield Finding(
                 NOTHING_TO_GRASP,
-                f"{closed_on_nothing(command)}{why}",
+                f"{closed_on_nothing(command)}{why}{no_fault}",
                 command.issue_s,
                 command.location,
                 command.function,
