@@ -46,6 +46,15 @@ def test_run_check_says_that_a_controller_would_change_and_leaves_it(example, qu
     assert example.files() == before
 
 
+def test_a_lock_that_is_not_where_one_stands_is_named(example, quick):
+    (example.folder / "cell").mkdir()
+    example.write("cell/pyproject.toml", "[tool.tracerisk]\n")
+    example.write("cell/controller.py", quick())
+    outcome = example.run("run", "cell/controller.py")
+    assert outcome.code == 0
+    assert "cell/controller.py: 1 risk block, changed, of cell/tracerisk.lock" in outcome.err
+
+
 def test_run_check_of_what_is_up_to_date_is_fine_and_writes_the_log_that_was_asked_for(annotated):
     before = annotated.files()
     outcome = annotated.run("run", "controller.py", "--check", "--log", "run.log")

@@ -206,7 +206,7 @@ def _readings(assessment: Assessment) -> str:
     risk = mission.failure_probability
     relative = spread / risk if risk > 0.0 else 0.0
     if relative < _SEEN:
-        return f"The readings agree: {', '.join(figures)}."
+        return f"However repeats are counted, it is the same: {', '.join(figures)}."
     text = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
     text = f"{text[0].upper()}{text[1:]}: they differ by {100.0 * relative:.2g} %."
     if mission.reading == GEOMETRIC:

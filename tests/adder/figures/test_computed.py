@@ -335,3 +335,4 @@ def test_a_joint_that_is_idle_by_a_value_near_its_threshold_is_an_assumption(com
     lines = compute(trace, RATE, JOINTS).assumptions
     told = "b: taken as idle for the whole run, though its torque or motion is within a factor"
     assert [line.startswith(told) for line in lines] == [True] * is_near
+    assert all("in use as the busiest joint is, it would count for 2 s" in line for line in lines)

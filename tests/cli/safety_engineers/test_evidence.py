@@ -337,6 +337,14 @@ def test_what_is_asked_wrongly_is_said(gathered, arguments, message):
     assert message in outcome.err
 
 
+def test_a_time_in_which_no_failure_was_tried_is_said_in_the_place_of_an_empty_table(example):
+    outcome = settled(example).run(*GATHER, "--time", "0.01")
+    assert outcome.code == 0
+    assert "no failure was tried: the time was over after the run without one" in outcome.err
+    assert "6 are to be drawn" in outcome.err
+    assert outcome.out == ""
+
+
 def test_a_controller_without_evidence_is_said(tmp_path, example, quick):
     example.write("controller.py", quick())
     outcome = example.run("evidence", "controller.py", "--show")

@@ -260,7 +260,7 @@ def test_figures_of_a_table_are_taken_and_comments_stay(field):
     assert "# Kept." in text
     assert "# Its maker's." in text
     assert "probability: {value: 2e-06, per: demand, source: data sheet}" in text
-    motor = "failure_rate: {value: 2.5e-07, per: hour, error_factor: 3.0, source: rates.csv}"
+    motor = "failure_rate: {value: 2.5e-07, per: hour, error_factor: 3, source: rates.csv}"
     assert motor in text
     assert example.run("hardware", "show", "hardware.yaml").code == 0
 

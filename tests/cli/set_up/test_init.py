@@ -566,4 +566,7 @@ def test_a_repository_with_a_lock_is_not_sent_to_its_first_run(cell):
     first = "read its verdict, commit blocks and tracerisk.lock"
     assert first in cell.run("init", "--yes").out
     cell.write("tracerisk.lock", '{"controllers": {}, "schema": "tracerisk.lock", "version": 2}\n')
-    assert first not in cell.run("init", "--yes").out
+    cell.write("pyproject.toml", "")
+    again = cell.run("init", "--yes").out
+    assert first not in again
+    assert "`tracerisk refresh` runs these again" in again

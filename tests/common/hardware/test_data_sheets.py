@@ -130,8 +130,8 @@ TWO = "components:\n  a: {twin: {gripper: true}, mtbf: {value: 1e5, unit: hour}}
 @pytest.mark.parametrize(
     ("row", "line"),
     [
-        ("a,mttf,,20,year,", "mttf: {value: 20.0, unit: year, source: rates.csv}"),
-        ("a,b10d,,3e6,,2", "b10d: {value: 3000000.0, error_factor: 2.0, source: rates.csv}"),
+        ("a,mttf,,20,year,", "mttf: {value: 20, unit: year, source: rates.csv}"),
+        ("a,b10d,,3e6,,2", "b10d: {value: 3000000, error_factor: 2, source: rates.csv}"),
     ],
 )
 def test_a_table_gives_what_data_sheets_state(tmp_path, row, line):

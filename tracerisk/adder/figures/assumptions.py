@@ -135,6 +135,10 @@ def borderline(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]
     Whatever is mounted there counts nothing, and on another arm it may count.
     """
     lines = []
+    joints = {element.name for element in trace.elements if element.kind == "joint"}
+    longest_s = max(
+        (use.active_s for name, use in trace.active.items() if name in joints), default=0
+    )
     for element in trace.elements:
         use = trace.active.get(element.name)
         if element.kind != "joint" or use is None or use.active_s > 0.0 or not use.borderline:
@@ -148,7 +152,8 @@ def borderline(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]
             lines.append(
                 f"{element.name}: taken as idle for the whole run, though its torque or motion is "
                 "within a factor of two of the threshold: what is mounted there "
-                f"({', '.join(mounted)}) is not counted"
+                f"({', '.join(mounted)}) is not counted; in use as the busiest joint is, it would "
+                f"count for {longest_s:.4g} s, as it may where it moves farther or carries more"
             )
     return tuple(lines)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -184,6 +185,9 @@ def _notes(options: argparse.Namespace, done: Assessed, trace: Trace) -> list[st
         keeps_files=keeps_files(options),
         is_changed=done.annotated.is_changed,
     )
+    lock = done.annotated.lock_path
+    if not keeps_files(options) and lock.parent.resolve() != Path.cwd().resolve():
+        blocks += f", of {os.path.relpath(lock)}"
     reasons = () if trace.verdict is None else trace.verdict.open_reasons
     if done.annotated.is_changed and not keeps_files(options) and (reasons or trace.findings):
         blocks += "; lines named here are those of the file with them"

@@ -142,6 +142,13 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             tried=len(found.cells),
         )
         return
+    if found.declared and not found.cells:
+        note(
+            "no failure was tried: the time was over after the run without one. "
+            f"{found.declared} are to be drawn; each takes about as long as that run, as many at "
+            "once as --jobs says; --time S gives more"
+        )
+        return
     print_text(fmea.render_fmea(found, paper()))
     for line in fmea.summary_lines(found):
         show(line)

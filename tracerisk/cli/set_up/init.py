@@ -94,6 +94,11 @@ def run(options: argparse.Namespace) -> int:
     known = [shlex.quote(typed(name)) for name in start.controllers[:1]]
     first = known[0] if known else "CONTROLLER.py"
     named_robot = "" if start.robots else " --robot NAME"
+    if start.files and (start.root / LOCK_NAME).exists():
+        show(
+            "Next: `tracerisk check` says which of the runs that are known a new setting makes "
+            "stale, and `tracerisk refresh` runs these again."
+        )
     if not (start.root / LOCK_NAME).exists():
         ran = f"`tracerisk run {first}{named_robot}`"
         show(f"Next: {ran}; read its verdict, commit blocks and {LOCK_NAME}.")

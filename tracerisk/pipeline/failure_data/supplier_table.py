@@ -50,13 +50,18 @@ class GivenFigure:
     def data(self) -> dict[str, Any]:
         """The figure as a description has it under its kind."""
         unit = {"unit": self.per} if self.kind in SHEET_KINDS else {"per": self.per}
-        more = {} if self.error_factor is None else {"error_factor": self.error_factor}
+        more = {} if self.error_factor is None else {"error_factor": _as_typed(self.error_factor)}
         return {
-            "value": self.value,
+            "value": _as_typed(self.value),
             **({} if self.kind in CYCLE_KINDS else unit),
             **more,
             "source": self.source,
         }
+
+
+def _as_typed(number: float) -> float | int:
+    """Return a number of a table as it is written: 42000, not 42000.0."""
+    return int(number) if number.is_integer() and abs(number) < 1e15 else number
 
 
 def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
