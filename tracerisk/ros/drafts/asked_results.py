@@ -8,7 +8,8 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any
+from functools import partial
+from typing import Any, Literal
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
@@ -41,6 +42,10 @@ _NAMED = frozenset(
         "get_planning_component",
     }
 )
+Shape = Literal["", "joints", "list", "list of joints", "mapping"]
+"""What a result is made of, as far as its use says."""
+_TARGET = "set_joint_value_target"
+_THROUGH = frozenset({"enumerate", "reversed", "zip"})
 _OTHER_SIDE: Mapping[type[ast.cmpop], type[ast.cmpop]] = {
     ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt,
 }  # fmt: skip
@@ -136,6 +141,66 @@ def used_as(place: Location | None, call: str) -> str:
             if use:
                 return use
     return ""
+
+
+def shape_of(place: Location | None, call: str) -> tuple[Shape, tuple[str, ...]]:
+    """Return of which shape the result of the `call` at `place` is, and the keys of a mapping.
+
+    By what takes it: a motion to joints, a loop over it, an index that is a word. "" is unknown.
+    """
+    for tree, node in calls_of(place, call):
+        names, _ = held_by(tree, node)
+        # Its parts are held by names of their own, which say nothing of the whole.
+        whole = names - _names_of_parts(tree, names)
+        is_it = partial(_is_held_whole, node, whole)
+        taken = [item for item in ast.walk(tree) if isinstance(item, ast.Call) and _to_joints(item)]
+        keys = tuple(
+            dict.fromkeys(
+                item.slice.value
+                for item in ast.walk(tree)
+                if isinstance(item, ast.Subscript)
+                and is_it(item.value)
+                and isinstance(item.slice, ast.Constant)
+                and isinstance(item.slice.value, str)
+            )
+        )
+        if keys:
+            return "mapping", keys
+        if any(is_it(one.args[0]) for one in taken):
+            return "joints", ()
+        for loop in ast.walk(tree):
+            if isinstance(loop, ast.For | ast.comprehension) and _goes_through(loop.iter, is_it):
+                each = {item.id for item in ast.walk(loop.target) if isinstance(item, ast.Name)}
+                to_joints = any(dotted_name(one.args[0]) in each for one in taken)
+                return ("list of joints" if to_joints else "list"), ()
+    return "", ()
+
+
+def _to_joints(call: ast.Call) -> bool:
+    """Return whether a call takes joints first; `set_joint_value_target(name, value)` does not."""
+    name = last_name(call.func)
+    return bool(call.args) and (name == "go" or (name == _TARGET and len(call.args) == 1))
+
+
+def _is_held_whole(call: ast.Call, names: Collection[str], item: ast.AST) -> bool:
+    return item is call or dotted_name(item) in names
+
+
+def _names_of_parts(tree: ast.Module, names: Collection[str]) -> set[str]:
+    """Return the names among those given that a part of what others hold is assigned to."""
+    return {
+        dotted_name(target)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign) and isinstance(bare_value(node.value), ast.Subscript)
+        for target in node.targets
+        if dotted_name(target) in names
+    }
+
+
+def _goes_through(iterated: ast.expr, is_it: Callable[[ast.AST], bool]) -> bool:
+    if isinstance(iterated, ast.Call) and last_name(iterated.func) in _THROUGH:
+        return any(map(is_it, iterated.args))
+    return is_it(iterated)
 
 
 def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Set
+from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.asked_results import (
+    Shape,
     compared_results,
     results_of_name,
+    shape_of,
     used_as,
     written_name,
 )
@@ -29,6 +31,7 @@ _TYPED: Mapping[str, Any] = {
     "double_array": [0.0],
     "string_array": [""],
 }
+_OF_SHAPE = "of the shape that the code takes"
 ANY_NUMBER: Set[float] = frozenset({0.5, 1})
 """What stands for a number of which the code says only that it is one."""
 _OF_NUMBERS = ("", "int", "float", "integer", "double")
@@ -89,6 +92,12 @@ def drafted_parameter(need: Need, place: Location | None, values: UsableValues) 
         return round(reached) if is_whole else reached, f"within reach of {values.robot.name}"
     if fitting:
         return fitting[0], "as the code compares it"
+    shape, keys = _shape(place) if kind not in _TYPED else ("", ())
+    if shape in ("joints", "list of joints"):
+        posture = list(values.posture)
+        return (posture if shape == "joints" else [posture]), _OF_SHAPE
+    if shape == "mapping":
+        return _mapping(keys, values), _OF_SHAPE
     names = [joint.name for joint in values.joints]
     if kind in ("", "string_array") and re.search(r"(^|_)joint(s|_names)$", last):
         return names, f"the joints of {values.robot.name}"
@@ -111,7 +120,22 @@ def drafted_parameter(need: Need, place: Location | None, values: UsableValues) 
     plain = {"int": 1, "float": 0.1, "str": last}.get(kind)
     if plain is not None:
         return plain, "as the code uses it"
+    if shape == "list":
+        return [0.1], _OF_SHAPE
     return _TYPED.get(kind, 1), "a value of its type" if kind in _TYPED else "a guess"
+
+
+def _shape(place: Location | None) -> tuple[Shape, tuple[str, ...]]:
+    shapes = (shape_of(place, call) for call in _READS)
+    return next((found for found in shapes if found[0]), ("", ()))
+
+
+def _mapping(keys: Sequence[str], values: UsableValues) -> dict[str, float]:
+    """Return a mapping with these keys: coordinates are those of a pose that the robot reaches."""
+    at = dict(zip("xyz", values.pose.position, strict=True))
+    turn = dict(zip(("qx", "qy", "qz", "qw"), values.pose.orientation, strict=True))
+    known = {**at, **turn, **dict.fromkeys(("roll", "pitch", "yaw"), 0.0)}
+    return {key: known.get(key, 0.1) for key in keys}
 
 
 def _fits(value: Any, kind: str) -> bool:
