@@ -129,6 +129,58 @@ def test_messages_come_at_their_times(run_in):
     assert run_in(text, main) == [(1.5, 7), (3.0, 8)]
 
 
+def test_messages_answer_each_call_of_a_service(run_in):
+    text = """
+    services:
+      - {name: /trigger, type: std_srvs/Trigger}
+    publish:
+      - {topic: /count, type: std_msgs/Int32, when: trigger, after: 0.5, messages: [7, 8]}
+    """
+
+    def main(scheduler):
+        import rospy
+        from std_msgs.msg import Int32
+        from std_srvs.srv import Trigger
+
+        rospy.init_node("listener")
+        came = []
+        rospy.Subscriber("/count", Int32, lambda m: came.append((seconds(scheduler), m.data)))
+        call = rospy.ServiceProxy("/trigger", Trigger)
+        for _ in range(2):
+            rospy.sleep(2.0)
+            call()
+        rospy.sleep(2.0)
+        return came
+
+    (first_s, first), (second_s, second) = run_in(text, main)
+    assert (first, second) == (7, 8)
+    assert second_s - first_s == pytest.approx(2.0, abs=0.1)
+    assert first_s == pytest.approx(2.5, abs=0.1)
+
+
+def test_messages_answer_messages_and_nothing_comes_unasked(run_in):
+    text = """
+    publish:
+      - {topic: /seen, type: std_msgs/Bool, when: /look, message: true}
+    """
+
+    def main(scheduler):
+        import rospy
+        from std_msgs.msg import Bool, Empty
+
+        rospy.init_node("listener")
+        came = []
+        rospy.Subscriber("/seen", Bool, lambda m: came.append(m.data))
+        look = rospy.Publisher("/look", Empty, queue_size=1)
+        rospy.sleep(2.0)
+        before = len(came)
+        look.publish()
+        rospy.sleep(1.0)
+        return before, came
+
+    assert run_in(text, main) == (0, [True])
+
+
 def test_messages_come_at_a_rate_for_as_long_as_is_said(run_in):
     text = """
     publish:

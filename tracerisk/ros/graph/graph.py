@@ -92,6 +92,7 @@ class Graph:
         self._topics: dict[str, _Topic] = {}
         self.counts: Counter[str] = Counter()
         self.cell: CellWatch | None = None
+        self._answers: dict[str, list[Callable[[], None]]] = {}
         self._warm: set[NodeProcess] = set()
         self.first_unheard: dict[str, tuple[Publication, Location | None]] = {}
         """Who first published on a topic to which nobody subscribed, and where."""
@@ -106,7 +107,13 @@ class Graph:
         if self.scheduler.process is not None:
             return None
         self.counts[name] += 1
+        for answer in self._answers.get(name, ()):
+            answer()
         return self.cell
+
+    def when_sent(self, name: str, answer: Callable[[], None]) -> None:
+        """Call `answer` whenever the controller sends a message, call or goal to a name."""
+        self._answers.setdefault(name, []).append(answer)
 
     def listens(self) -> bool:
         """Return whether the controller subscribes or serves: the world outside could wake it."""

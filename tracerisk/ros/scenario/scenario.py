@@ -23,7 +23,7 @@ Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """Messages on a topic: at times, at a rate, or to each subscriber.
+    """Messages on a topic: at times, at a rate, to each subscriber, or as answers.
 
     A rate begins at the first of `at` and ends at `until` or after `count` messages, if either is
     given.
@@ -40,13 +40,16 @@ class Published:
     rate: float | None
     """The rate of publication [Hz]; `None`: at times or to each subscriber."""
     after: float
-    """The delay from the appearance of a subscriber to its message [s]."""
+    """The delay from the appearance of a subscriber, or from `when`, to the message [s]."""
     count: int | None
     """The number of messages after which a rate ends; `None`: any number."""
     until: float | None
     """The simulated time at which a rate ends [s]; `None`: never."""
     type_location: Location
     """The line that gives the type."""
+    when: str = ""
+    """The full name of the service, action or topic: a message comes each time that the controller
+    calls it, sends it a goal or publishes on it; empty for none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Messages that a scenario publishes: at times, at a rate, or to each who subscribes."""
+"""Messages that a scenario publishes: at times, at a rate, to who subscribes, or as answers."""
 
 from __future__ import annotations
 
@@ -41,8 +41,10 @@ class ScenarioTopic:
             entry.type_name,
             node=NODE,
             by_controller=False,
-            on_connect=None if entry.at or entry.rate is not None else self._on_subscriber,
+            on_connect=self._on_subscriber if self._is_for_each else None,
         )
+        if entry.when:
+            runtime.graph.when_sent(entry.when, self._on_sent)
         # What it publishes at an instant comes from a cell that is up and waits for who listens.
         self._publication.keeps_for_late = bool(entry.at) and entry.rate is None
         robot = getattr(runtime.twin, "robot", None)
@@ -59,8 +61,17 @@ class ScenarioTopic:
                 schedule.at(round(seconds * 1e9), self._publish)
 
     @property
+    def _is_for_each(self) -> bool:
+        """Whether each who subscribes gets a message of its own."""
+        entry = self._entry
+        return not (entry.at or entry.when or entry.rate is not None)
+
+    @property
     def unused(self) -> tuple[str, Location] | None:
         """What nobody made use of, in words, and its place; None where somebody did."""
+        if self._entry.when and self._first_ns is None:
+            words = f"the controller sent nothing to {self._entry.when}"
+            return words, self._entry.type_location
         if self._is_heard or self._has_listener():
             return None
         if not self._sent and self._first_ns is not None:
@@ -75,6 +86,8 @@ class ScenarioTopic:
         """When the first message comes to a controller that listens; None where it has come."""
         known = self._publication.graph.subscriptions(self._publication.topic)
         if self._sent or not any(subscription.by_controller for subscription in known):
+            return None
+        if self._first_ns is None and not self._is_for_each:
             return None
         if self._first_ns is None:
             # The subscription is about to be connected.
@@ -95,6 +108,12 @@ class ScenarioTopic:
         if self._first_ns is None:
             self._first_ns = due_ns
         self._schedule.at(due_ns, lambda: self._publish(subscription))
+
+    def _on_sent(self) -> None:
+        due_ns = self._schedule.now_ns + round(self._entry.after * 1e9)
+        if self._first_ns is None:
+            self._first_ns = due_ns
+        self._schedule.at(due_ns, self._publish)
 
     def _begin_rate(self, rate: float, begin_s: float) -> None:
         entry = self._entry

@@ -131,6 +131,10 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
             "counts from when a subscriber appears; leave out at and rate",
         ),
         (
+            "publish:\n  - {topic: /a, type: std_msgs/Bool, rate: 1, when: /b}\n",
+            "says what a message answers; leave out at and rate",
+        ),
+        (
             "publish:\n  - {topic: /a, type: std_msgs/Bool, at: [2, 1]}\n",
             "expected times from 0 up that rise",
         ),

@@ -123,7 +123,7 @@ def _forbid_twice(top: YamlMap, section: str, key: str) -> None:
 
 def _published(entry: YamlMap) -> Published:
     entry.forbid_unknown(
-        {"topic", "type", "message", "messages", "at", "rate", "after", "count", "until"}
+        {"topic", "type", "message", "messages", "at", "rate", "after", "count", "until", "when"}
     )
     at, rate = _times(entry), None
     if "rate" in entry:
@@ -135,6 +135,8 @@ def _published(entry: YamlMap) -> Published:
             entry.fail(key, "says when a rate ends; give a rate, or leave it out")
     if "after" in entry and (at or rate is not None):
         entry.fail("after", "counts from when a subscriber appears; leave out at and rate")
+    if "when" in entry and (at or rate is not None):
+        entry.fail("when", "says what a message answers; leave out at and rate")
     return Published(
         full_name(entry, "topic"),
         interface_type(entry, "type"),
@@ -145,6 +147,7 @@ def _published(entry: YamlMap) -> Published:
         entry.integer("count", minimum=1) if "count" in entry else None,
         entry.number("until", minimum=0.0) if "until" in entry else None,
         entry.key_location("type"),
+        full_name(entry, "when") if "when" in entry else "",
     )
 
 
