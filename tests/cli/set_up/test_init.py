@@ -569,4 +569,4 @@ def test_a_repository_with_a_lock_is_not_sent_to_its_first_run(cell):
     cell.write("pyproject.toml", "")
     again = cell.run("init", "--yes").out
     assert first not in again
-    assert "`tracerisk refresh` runs these again" in again
+    assert "`tracerisk refresh .` runs these again" in again

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shlex
 import sys
 from collections.abc import Mapping
@@ -95,9 +96,10 @@ def run(options: argparse.Namespace) -> int:
     first = known[0] if known else "CONTROLLER.py"
     named_robot = "" if start.robots else " --robot NAME"
     if start.files and (start.root / LOCK_NAME).exists():
+        here = shlex.quote(os.path.relpath(start.root))
         show(
-            "Next: `tracerisk check` says which of the runs that are known a new setting makes "
-            "stale, and `tracerisk refresh` runs these again."
+            f"Next: `tracerisk check {here}` says which of the runs that are known a new setting "
+            f"makes stale, and `tracerisk refresh {here}` runs these again."
         )
     if not (start.root / LOCK_NAME).exists():
         ran = f"`tracerisk run {first}{named_robot}`"

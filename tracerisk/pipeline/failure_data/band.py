@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SAMPLES = 2_000
 """The number of draws; of 30 seeds, the ends of a band were within 4 % of those of 10^5."""
 _LOW, _HIGH = 5.0, 95.0  # [%]
-_SEEN = 0.01  # of a figure: samples tell no less
+_SEEN = 0.01  # of a figure: samples are no finer
 
 
 @dataclass(frozen=True, slots=True)
