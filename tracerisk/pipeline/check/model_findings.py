@@ -41,7 +41,8 @@ def model_findings(
         return
     mission = figures.mission
     for ref, block in placed.items():
-        if has_pins(block) and figures.expected_visits[names[ref]] == 0.0:
+        has_figures = any(not component.omitted for component in block.components)
+        if has_figures and has_pins(block) and figures.expected_visits[names[ref]] == 0.0:
             message = (
                 f"what is set by hand in the block of {ref.name} counts nothing: no `next` leads "
                 "to it, as the last run did not visit it; remove it, or write it where that is "
