@@ -1,6 +1,7 @@
 """`run --live` and `trace --live`: the published log and block from real rospy, and no way out."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -23,13 +24,27 @@ def call_out():
         print("- refused", error.errno)
 
 
+def wait_in_vain():
+    import time
+
+    began = rospy.get_time()
+    time.sleep(0.3)
+    print("- slept", round(rospy.get_time() - began, 3))
+    try:
+        rospy.wait_for_message("/nobody", JointTrajectoryPoint, timeout=0.5)
+    except rospy.ROSException:
+        print("- waited", round(rospy.get_time() - began, 3))
+
+
 def main():
     call_out()
 """
+SERVED = 'print("> server", client.wait_for_server())\n'
 PROGRAM = (
     (Path(__file__).parent / "programs" / "goals_and_services.py")
     .read_text(encoding="utf-8")
     .replace("def main():\n", CALL_OUT)
+    .replace(SERVED, f"{SERVED}    wait_in_vain()\n")
 )
 CONNECTION_REFUSED = 111
 
@@ -75,6 +90,13 @@ def test_the_run_has_its_own_master_and_no_way_out(lived):
     assert "- reached" not in printed
     if _has_a_network_of_its_own():
         assert f"- refused {CONNECTION_REFUSED}" in printed
+
+
+def test_waits_of_rospy_and_sleeps_take_simulated_time(lived):
+    printed = lived.read("printed.txt").decode()
+    took_s = {name: float(s) for name, s in re.findall(r"^- (\w+) ([\d.]+)$", printed, re.MULTILINE)}
+    assert took_s["slept"] == pytest.approx(0.3, abs=0.1), "five times as long on the wall clock"
+    assert took_s["waited"] == pytest.approx(0.8, abs=0.3)
 
 
 def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):

@@ -1,14 +1,17 @@
 """What the hooks in a controller's client library report, in either version of ROS.
 
-Nothing is changed of what is sent or when: each hook calls what was there.
+Nothing is changed of what is sent: each hook calls what was there, and waits on the wall clock take
+time of the twin.
 """
 
 from __future__ import annotations
 
 import hashlib
 import inspect
+import math
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -87,6 +90,21 @@ def threads_inherit(tracer: Tracer) -> None:
         real(self)
 
     threading.Thread.start = start  # type: ignore[method-assign]
+
+
+def sleeps_take_simulated_time(tracer: Tracer, wait: Callable[[float], None]) -> None:
+    """Make the controller's own `time.sleep` call `wait`; libraries sleep as ever."""
+    real = time.sleep
+
+    @hide
+    def sleep(seconds: Any, /) -> None:
+        is_own = tracer.is_controllers(sys._getframe(1))
+        if is_own and isinstance(seconds, int | float) and 0 < seconds < math.inf:
+            wait(seconds)
+        else:
+            real(seconds)  # says what is wrong with a length that is none
+
+    time.sleep = sleep
 
 
 class Failures:

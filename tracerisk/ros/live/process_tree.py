@@ -10,13 +10,14 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
 
-from tracerisk.common.sandbox.kernel.features import descendants, stat_fields
+from tracerisk.common.sandbox.kernel.features import descendants, kernel_line, stat_fields
 from tracerisk.ros.live.real_ros import end_process
 
 _LOOK_S = 0.02
 """How often processes that have come are looked for [s]."""
+_ALL_S = 1.0
+"""How often each process of the machine is asked for its parent, even if none has come [s]."""
 _ASKED_S = 0.1
 """How often it is looked whether a thread waits for input [s]."""
 _INPUT = f"{63 if platform.machine() == 'aarch64' else 0} 0x0 ".encode()
@@ -41,7 +42,8 @@ class ProcessTree:
     ) -> None:
         self._others = others
         self._seen: tuple[int, ...] = ()
-        self._seen_at = 0.0
+        self._seen_at = self._known_at = 0.0
+        self._known: set[int] = set()
         self._ran: dict[int, int] = {}
         self._asked_at = 0.0
         reads, self._writes = os.pipe()
@@ -108,12 +110,15 @@ class ProcessTree:
                 self._look()
 
     def _look(self) -> None:
-        self._seen = tuple(
-            pid
-            for pid in descendants(os.getpid(), frozenset(self._others()))
-            if not self._is_reaped(pid)
-        )
         self._seen_at = time.monotonic()
+        there = {int(name) for name in os.listdir("/proc") if name.isdecimal()}  # noqa: PTH208
+        pids: Iterable[int] = self._seen
+        # To ask every process of the machine for its parent takes long. A stranger becomes none of
+        # ours, but its number may be given to one of ours.
+        if not there <= self._known or self._seen_at - self._known_at > _ALL_S:
+            self._known, self._known_at = there, self._seen_at
+            pids = descendants(os.getpid(), frozenset(self._others()))
+        self._seen = tuple(pid for pid in pids if pid in there and not self._is_reaped(pid))
 
     def _is_reaped(self, pid: int) -> bool:
         """Return whether a process has ended; one that we have adopted is taken off the table."""
@@ -137,13 +142,13 @@ def _ran(pid: int) -> Iterator[tuple[int, int]]:
     with contextlib.suppress(FileNotFoundError, ProcessLookupError):
         for task in os.scandir(f"/proc/{pid}/task"):
             with contextlib.suppress(FileNotFoundError, ProcessLookupError):
-                yield int(task.name), int(Path(task.path, "schedstat").read_bytes().split()[0])
+                yield int(task.name), int(kernel_line(f"{task.path}/schedstat").split()[0])
 
 
 def _reads_input(pid: int) -> bool:
     with contextlib.suppress(OSError):
         for task in os.scandir(f"/proc/{pid}/task"):
             with contextlib.suppress(OSError):
-                if Path(task.path, "syscall").read_bytes().startswith(_INPUT):
+                if kernel_line(f"{task.path}/syscall").startswith(_INPUT):
                     return True
     return False

@@ -20,12 +20,15 @@ from tracerisk.ros.live.hooks import (
     Report,
     digest,
     sent,
+    sleeps_take_simulated_time,
     threads_inherit,
     watched,
 )
 
 _CLOCK_S = 10.0
 _LOOK_S = 0.005
+_SHUTDOWN_S = 0.5
+"""How often a wait looks whether the node has shut down, as rospy's own do [s]."""
 
 
 def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
@@ -40,6 +43,7 @@ def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
     failures.watch()
     _callbacks_are_roots(failures)
     _report_spins(report)
+    _waits_take_simulated_time(tracer)
     _nodes_begin_with_the_clock(private, failures)
 
 
@@ -256,3 +260,43 @@ def _report_spins(report: Report) -> None:
         real()
 
     _replace(real, spin, "spin")
+
+
+class _Clock:
+    """Stands for the module `time` where rospy waits on the wall clock."""
+
+    def __init__(self) -> None:
+        self._rostime: Any = importlib.import_module("rospy.rostime")
+        self._core: Any = importlib.import_module("rospy.core")
+        self._sleep = time.sleep
+
+    def time(self) -> float:
+        """Return the simulated time [s]; that of the wall until the first has come."""
+        return float(self._rostime.get_time()) if self._is_simulated() else time.time()
+
+    def sleep(self, seconds: float) -> None:
+        """Wait for some simulated time [s], and for what is left of it once the node shuts down."""
+        if self._is_simulated():
+            until = self.time() + seconds
+            ticked = self._rostime.get_rostime_cond()
+            with ticked:
+                while self.time() < until and not self._core.is_shutdown():
+                    ticked.wait(_SHUTDOWN_S)
+            seconds = until - self.time()
+        if seconds > 0.0:
+            self._sleep(seconds)
+
+    def _is_simulated(self) -> bool:
+        rostime = self._rostime
+        is_there = rostime.is_rostime_initialized() and not rostime.is_wallclock()
+        return is_there and not rostime.get_rostime().is_zero()
+
+
+def _waits_take_simulated_time(tracer: Tracer) -> None:
+    """Make waits on the wall clock take time of the twin: a slow machine does not shorten them."""
+    clock = _Clock()
+    for name in ("rospy.client", "rospy.impl.tcpros_service"):
+        importlib.import_module(name).time = clock  # type: ignore[attr-defined]
+    rostime: Any = importlib.import_module("rospy.rostime")
+    rostime.wallsleep = clock.sleep
+    sleeps_take_simulated_time(tracer, clock.sleep)

@@ -20,9 +20,12 @@ from tracerisk.ros.live.process_tree import ProcessTree
 
 adopt_orphans()
 other = subprocess.Popen(["sleep", "60"])
-# A shell that ends, of whose children one has left its session and hears no interrupt.
-tree = ProcessTree(["sh", "-c", "(trap '' INT; setsid sleep 60) & sleep 0.2"], os.environ, lambda: [other.pid])
+# A shell that ends, of whose children one comes late, has left its session and hears no interrupt.
+tree = ProcessTree(
+    ["sh", "-c", "(trap '' INT; sleep 0.1; setsid sleep 60) & sleep 0.3"], os.environ, lambda: [other.pid]
+)
 while tree.code is None:
+    tree.pids
     time.sleep(0.01)
 time.sleep(0.1)
 print(tree.code, len(tree.pids) > 0, other.pid in tree.pids)

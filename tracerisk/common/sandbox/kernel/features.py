@@ -29,6 +29,7 @@ _OPEN_FILES_OF_OTHERS = 1  # CAP_DAC_OVERRIDE
 _MOST_CAPABILITIES = 64
 _GET_SECCOMP = 21
 _FILTER_MODE = 2
+_MOST_OF_LINE = 4096
 
 
 _NEW_USERS, _NEW_NETWORK, _NEW_MOUNTS = 0x10000000, 0x40000000, 0x20000
@@ -101,7 +102,20 @@ def stat_fields(folder: str) -> list[bytes]:
     Raises:
         OSError: it is there no more.
     """
-    return Path(folder, "stat").read_bytes().rpartition(b")")[2].split()
+    return kernel_line(f"{folder}/stat").rpartition(b")")[2].split()
+
+
+def kernel_line(path: str) -> bytes:
+    """Return what the kernel writes into a short file below /proc, which may be read very often.
+
+    Raises:
+        OSError: it is there no more.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        return os.read(descriptor, _MOST_OF_LINE)
+    finally:
+        os.close(descriptor)
 
 
 def descendants(top: int, but: Collection[int] = ()) -> list[int]:

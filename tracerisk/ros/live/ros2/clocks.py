@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import importlib
-import math
-import sys
 import threading
-import time
 import weakref
 from typing import Any
 
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.instrument.tracer import Tracer
 
 
 class Clocks:
@@ -56,19 +52,9 @@ class Clocks:
             except Exception:  # noqa: BLE001 - its node has been destroyed
                 self._clocks.discard(clock)
 
-    def serve_sleep(self, tracer: Tracer) -> None:
-        """Make the controller's own `time.sleep` take time of the twin; libraries sleep as ever."""
-        real = time.sleep
-
-        @hide
-        def sleep(seconds: Any, /) -> None:
-            is_own = tracer.is_controllers(sys._getframe(1))
-            if not is_own or not isinstance(seconds, int | float) or not 0 < seconds < math.inf:
-                real(seconds)  # says what is wrong with a length that is none
-                return
-            with self._ticked:
-                self._ticked.wait_for(lambda: self._now_ns > 0)
-                until_ns = self._now_ns + round(seconds * 1e9)
-                self._ticked.wait_for(lambda: self._now_ns >= until_ns)
-
-        time.sleep = sleep
+    def wait(self, seconds: float) -> None:
+        """Wait for some time of the twin [s], from its first on."""
+        with self._ticked:
+            self._ticked.wait_for(lambda: self._now_ns > 0)
+            until_ns = self._now_ns + round(seconds * 1e9)
+            self._ticked.wait_for(lambda: self._now_ns >= until_ns)

@@ -19,7 +19,14 @@ from typing import Any
 
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.ros.live.hooks import Failures, Report, sent, threads_inherit, watched
+from tracerisk.ros.live.hooks import (
+    Failures,
+    Report,
+    sent,
+    sleeps_take_simulated_time,
+    threads_inherit,
+    watched,
+)
 from tracerisk.ros.live.ros2.clocks import Clocks
 
 _ERROR, _FATAL = 40, 50
@@ -47,7 +54,7 @@ def install(
     failures.watch()
     _report_spins(report)
     clocks = Clocks()
-    clocks.serve_sleep(tracer)
+    sleeps_take_simulated_time(tracer, clocks.wait)
     return clocks.set
 
 
