@@ -62,7 +62,8 @@ def lived(tmp_path_factory, example_in, real_ros):
     """A controller traced on real rospy, in an environment that points to a robot."""
     del real_ros
     example = example_in(tmp_path_factory.mktemp("lived"))
-    example.write("pyproject.toml", "")
+    # A live run waits for others, which is no processor time of the controller's.
+    example.write("pyproject.toml", "[tool.tracerisk]\ncpu_limit_s = 0.01\n")
     example.write("steps.py", PROGRAM)
     given = {"ROS_MASTER_URI": "http://192.0.2.1:11311", "ROS_IP": "192.0.2.2"}
     with pytest.MonkeyPatch.context() as patch:
@@ -81,6 +82,7 @@ def lived(tmp_path_factory, example_in, real_ros):
     assert "raised TypeError" in done.out
     assert "ServiceException" not in done.out.partition("\n")[0]
     example.write("printed.txt", done.out + done.err)
+    example.write("pyproject.toml", "")
     return example
 
 
@@ -94,7 +96,9 @@ def test_the_run_has_its_own_master_and_no_way_out(lived):
 
 def test_waits_of_rospy_and_sleeps_take_simulated_time(lived):
     printed = lived.read("printed.txt").decode()
-    took_s = {name: float(s) for name, s in re.findall(r"^- (\w+) ([\d.]+)$", printed, re.MULTILINE)}
+    took_s = {
+        name: float(s) for name, s in re.findall(r"^- (\w+) ([\d.]+)$", printed, re.MULTILINE)
+    }
     assert took_s["slept"] == pytest.approx(0.3, abs=0.1), "five times as long on the wall clock"
     assert took_s["waited"] == pytest.approx(0.8, abs=0.3)
 
@@ -177,6 +181,7 @@ def test_nothing_is_written_by_a_live_run_itself():
     [
         (("run", "steps.py", "--speed", "2"), "--speed goes with --live"),
         (("run", "steps.py", "--live", "--check"), "--check goes with runs that can be repeated"),
+        (("run", "steps.py", "--live", "--cpu-limit", "9"), "is ended by --wall-limit"),
         (("run", "two.cpp", "--live", "--", "./two"), "the program ./two of the command is not"),
         (("run", "two.cpp", "--live"), "`ros2 run PACKAGE NODE`, `ros2 launch PACKAGE FILE`"),
         (("trace", "steps.py", "--live", "--sandbox", "require"), "the sandbox is required"),

@@ -340,6 +340,11 @@ def add_live(parser: argparse.ArgumentParser) -> None:
 
 def live_speed(options: argparse.Namespace) -> float | None:
     """Return how fast a run on real ROS may go; `None` for a run on the stand-ins."""
+    if options.live and options.cpu_limit_s is not None:
+        raise InputError(
+            "--cpu-limit goes with runs on the stand-ins; a live run, which waits for other "
+            "processes, is ended by --wall-limit"
+        )
     if options.speed is not None and not options.live:
         raise InputError("--speed goes with --live; a run on the stand-ins is as fast as it can be")
     return (options.speed or 1.0) if options.live else None
