@@ -529,7 +529,7 @@ static void after_fork(void)
 static void *behind(const char *name)
 {
   static const char *const libraries[] = {"libroscpp.so", "librcl.so", "librcl_action.so",
-                                          "librcutils.so"};
+                                          "librcutils.so", "librostime.so"};
   void *found = dlsym(RTLD_NEXT, name);
   for (size_t at = 0; !found && at < sizeof libraries / sizeof *libraries; ++at) {
     /* An extension of Python loads it for itself alone. */
@@ -563,6 +563,8 @@ static void *found(void **known, const char *name)
 
 #define ROS1_PUBLISH \
   _ZNK3ros9Publisher7publishERKN5boost8functionIFNS_17SerializedMessageEvEEERS3_
+#define ROS1_START _ZN3ros5startEv
+#define ROS1_AWAIT_TIME _ZN3ros4Time12waitForValidERKNS_12WallDurationE
 #define ROS1_CALL                                                                            \
   _ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE
 
@@ -606,6 +608,27 @@ static bool ends_with(const struct std_string *text, const char *ending)
 {
   size_t length = strlen(ending);
   return text->length >= length && !memcmp(text->text + text->length - length, ending, length);
+}
+
+/* A live run says when its time begins [ns since 1970]. A node on a robot has a time at once, and
+ * shall not take the first of the clock for a jump. */
+
+static int64_t beginning(void)
+{
+  const char *given = getenv("TRACERISK_TIME_BEGINS");
+  return given ? strtoll(given, NULL, 10) : 0;
+}
+
+struct wall_duration {
+  int32_t seconds, nanoseconds;
+};
+
+bool ROS1_AWAIT_TIME(const struct wall_duration *most); /* never linked */
+
+EXPORT void ROS1_START(void)
+{
+  BEHIND(ROS1_START)();
+  if (beginning()) BEHIND(ROS1_AWAIT_TIME)(&(struct wall_duration){10, 0});
 }
 
 EXPORT void ROS1_PUBLISH(const struct publisher *const *self, const void *serialize, void *message)
@@ -770,6 +793,11 @@ EXPORT int rcl_init(int argc, const char *const *argv, const void *options, void
   free(words);
   free(text);
   return failed;
+}
+
+EXPORT int rcl_set_ros_time_override(void *clock, int64_t time)
+{
+  return BEHIND(rcl_set_ros_time_override)(clock, time ? time : beginning());
 }
 
 EXPORT int rcl_init_options_set_domain_id(void *options, size_t domain)

@@ -72,6 +72,9 @@ def lived(compiled):
     """A node that logs an error and ends with 3, run in an environment that points to a robot."""
     text = (PROGRAMS / "pick.cpp").read_text().replace("  cell.home();\n  return 0;\n", AFTER)
     assert AFTER in text
+    begun = '  ROS_INFO("clock %d", int(ros::Time::isValid()));\n  cell::Cell cell;\n'
+    assert "  cell::Cell cell;\n" in text
+    text = text.replace("  cell::Cell cell;\n", begun)
     example = compiled("pick", text.replace("  void place();\n", MORE))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_MASTER_URI", "http://192.0.2.1:11311")
@@ -89,6 +92,10 @@ def test_the_published_log_names_the_functions_of_the_node(lived):
     text = lived.read("live.log").decode()
     assert "Function:cell::Cell::pick()\nActiveComponents:gripper,electric_motor\n" in text
     assert "CallSequence:cell::Cell::pick(),cell::Cell::place(),cell::Cell::home()" in text
+
+
+def test_a_node_has_the_time_when_it_begins(lived):
+    assert "clock 1" in lived.read("printed.txt").decode()
 
 
 def test_a_goal_may_be_pursued_when_the_node_ends(lived):

@@ -17,6 +17,7 @@ from tracerisk.pipeline.trace.run_files import STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
 from tracerisk.ros.live.process_tree import has_ended
 from tracerisk.ros.live.session import Command
+from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.trace import EndCause
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ _FATAL: dict[RosVersion, int] = {1: 16, 2: 50}
 _PRELOAD = "LD_PRELOAD"
 _ARGUMENTS = "TRACERISK_ROS_ARGUMENTS"
 """The variable that gives nodes of ROS 2 arguments, a word a line; probe/native/calls.c."""
+_BEGINNING = "TRACERISK_TIME_BEGINS"
+"""The variable that says when simulated time begins [ns since 1970]."""
 _SEPARATORS = frozenset(" :")
 
 
@@ -86,7 +89,11 @@ class CompiledNodes:
         environment = self._environment
         if self._probe is not None:
             preloaded = [str(self._probe), *filter(None, [environment.get(_PRELOAD)])]
-            environment |= {_PRELOAD: ":".join(preloaded), VARIABLE: str(self._file)}
+            environment |= {
+                _PRELOAD: ":".join(preloaded),
+                VARIABLE: str(self._file),
+                _BEGINNING: str(EPOCH_NS),
+            }
         if self._ros == 2:
             given = [] if parameter_file is None else ["--params-file", parameter_file]
             words = ["--ros-args", *given, "-p", "use_sim_time:=true", "--"]

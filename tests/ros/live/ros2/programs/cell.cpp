@@ -135,12 +135,13 @@ int main(int argc, char **argv)
 {
   rclcpp::init(argc, argv);
   auto node = std::make_shared<cell::Cell>();
+  const bool isTimeThere = node->now().seconds() > 1767225599;
   std::thread spinning([node] { rclcpp::spin(node); });
   if (!node->begin()) return 2;
   node->reach();
   node->back();
   node->grip();
-  std::printf("> simulated %d\n", node->now().seconds() < 1767225700);
+  std::printf("> simulated %d\n", isTimeThere && node->now().seconds() < 1767225700);
   RCLCPP_ERROR(node->get_logger(), "lost a part\nbehind the rack");
   std::printf("> args %d\n", argc);
   node->get_clock()->sleep_for(rclcpp::Duration::from_seconds(0.1));
