@@ -24,9 +24,10 @@ if TYPE_CHECKING:
     from tracerisk.ros.messages.ros1 import Interfaces
 
 _OF_MESSAGE = re.compile(rb"(\w+)/(\w+)\.h")
-_MOVEIT = Path(__file__).parent / "moveit"
-"""What stands for MoveIt's headers where they are missing."""
-_OF_ROS = "of_ros/of_ros"
+_HERE = Path(__file__).parent
+_MOVEIT = ("moveit", "moveit_visual_tools")
+"""The folders of what stands for MoveIt's headers where they are missing."""
+_OF_ROS = "moveit/of_ros/of_ros"
 """The one of them that differs between the versions of ROS, whose number ends its name here."""
 _NO_GENCPP = 3
 """The code with which the generator ends where there is no gencpp."""
@@ -70,7 +71,7 @@ def make_headers(
     sources = list(sources)
     of_moveit = {} if _has_moveit(folders) else _moveit_headers(sources, ros)
     for name, content in of_moveit.items():
-        place = out / "moveit" / name
+        place = out / name
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(content)
     if ros == 2:
@@ -110,16 +111,16 @@ def _moveit_headers(sources: Iterable[bytes], ros: RosVersion) -> dict[str, byte
     MoveIt 2 gives each of them two names: `.h`, and since Jazzy `.hpp`.
     """
     headers: dict[str, bytes] = {}
-    for path in sorted(_MOVEIT.rglob("*.h")):
-        name = path.relative_to(_MOVEIT).as_posix()
+    for path in sorted(path for folder in _MOVEIT for path in (_HERE / folder).rglob("*.h")):
+        name = path.relative_to(_HERE).as_posix()
         if not name.startswith(_OF_ROS):
             headers[name] = file_bytes(path)
     if ros == 2:
-        headers |= {f"{name}pp": b"#include <moveit/%s>\n" % name.encode() for name in headers}
+        headers |= {f"{name}pp": b"#include <%s>\n" % name.encode() for name in headers}
     included = {name for source in sources for name in names_included(source)}
-    if not any(f"moveit/{name}".encode() in included for name in headers):
+    if not any(name.encode() in included for name in headers):
         return {}
-    return {f"{_OF_ROS}.h": file_bytes(_MOVEIT / f"{_OF_ROS}{ros}.h"), **headers}
+    return {f"{_OF_ROS}.h": file_bytes(_HERE / f"{_OF_ROS}{ros}.h"), **headers}
 
 
 def _has_moveit(folders: Collection[Path]) -> bool:
