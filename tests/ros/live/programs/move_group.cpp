@@ -12,6 +12,7 @@ class Picker {
   bool approach();
   bool lower();
   void grip();
+  bool retreat();
   bool isFreshTargetUsual();
 
  private:
@@ -55,6 +56,14 @@ void Picker::grip()
   hand_.move();
 }
 
+bool Picker::retreat()
+{
+  std::vector<double> joints = arm_.getCurrentJointValues();
+  joints[0] -= 0.5;
+  arm_.setJointValueTarget(joints);
+  return bool(arm_.move());
+}
+
 // The joints that a target does not name are at zero, or midway where that is out of their limits.
 bool Picker::isFreshTargetUsual()
 {
@@ -89,6 +98,7 @@ int main(int argc, char** argv)
   const bool isAbove = picker.approach();
   const bool isDown = picker.lower();
   picker.grip();
+  const bool isAway = picker.retreat();
   const bool isKnown = scene.getKnownObjectNames() == std::vector<std::string>{"box"};
-  return isUsual && isAbove && isDown && isKnown ? 0 : 1;
+  return isUsual && isAbove && isDown && isAway && isKnown ? 0 : 1;
 }

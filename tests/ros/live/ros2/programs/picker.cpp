@@ -25,6 +25,7 @@ class Picker {
   bool approach();
   bool lower();
   void grip();
+  bool retreat();
   bool isUnreachable();
   bool isFreshTargetUsual();
 
@@ -69,6 +70,14 @@ void Picker::grip()
 {
   hand_.setJointValueTarget("panda_finger_joint1", 0.01);
   hand_.move();
+}
+
+bool Picker::retreat()
+{
+  std::vector<double> joints = arm_.getCurrentJointValues();
+  joints[0] -= 0.5;
+  arm_.setJointValueTarget(joints);
+  return bool(arm_.move());
 }
 
 bool Picker::isUnreachable()
@@ -120,6 +129,7 @@ int main(int argc, char** argv)
     picker.home();
     isWell = isWell && picker.approach() && picker.lower();
     picker.grip();
+    isWell = isWell && picker.retreat();
     isWell = isWell && scene.getKnownObjectNames() == std::vector<std::string>{"box"} &&
              scene.getObjects().count("box") == 1;
     if (argc > 1 && std::string(argv[1]) == "--far") isWell = picker.isUnreachable();
