@@ -227,6 +227,8 @@ class _LiveRun:
             if self._nodes is not None:
                 if session.end_input():
                     self._nodes.input_ended()
+                if self._nodes.has_input_ended:
+                    self._threads.look_without_input(waits=not session.is_computing)
                 if not session.is_computing:
                     self._nodes.settled()
                 if self._nodes.is_awaited:

@@ -80,6 +80,8 @@ class CompiledNodes:
         self._registered: set[str] = set()
         self._began = time.monotonic()
         self._pid: int | None = None
+        self.has_input_ended = False
+        """Whether a node asked for more input than there was."""
 
     def begin(self, session: Session, parameter_file: str | None = None) -> None:
         """Start the command in the environment of the user, with the probe before its libraries.
@@ -116,6 +118,7 @@ class CompiledNodes:
 
     def input_ended(self) -> None:
         """Record that a node asked for more input than there was."""
+        self.has_input_ended = True
         self._recorder.finding(
             "answer_assumed",
             f"{self._words[0]} reads its standard input after {len(self._answers)} answers, and "

@@ -11,6 +11,9 @@ from tracerisk.trace import EndCause
 
 SPIN_PATIENCE_S = 10.0
 """How long a controller that spins must have been silent before nothing is expected of it [s]."""
+HURRY_S = 10.0
+"""How long a node without input may send without a wait before it is one that never ends [s]."""
+_SILENT_S = 1.0
 
 
 @dataclass(slots=True)
@@ -38,6 +41,7 @@ class RemoteThreads:
     """How the run is over; `None` while it goes on."""
     last_ns: int = 0
     """When the controller sent or asked anything last, simulated time [ns]."""
+    _hurries_since_ns: int | None = None
 
     @property
     def now_ns(self) -> int:
@@ -84,4 +88,18 @@ class RemoteThreads:
             self.end(
                 "quiescent",
                 f"the controller spins, and has sent nothing for {SPIN_PATIENCE_S:g} s",
+            )
+
+    def look_without_input(self, *, waits: bool) -> None:
+        """End a run that asked for more input than there was, and sends without a wait for long.
+
+        A menu that reads nothing gets its next answer at once, and never ends.
+        """
+        if waits or self.now_ns - self.last_ns > _SILENT_S * 1e9:
+            self._hurries_since_ns = None
+        elif self._hurries_since_ns is None:
+            self._hurries_since_ns = self.now_ns
+        elif self.now_ns - self._hurries_since_ns >= HURRY_S * 1e9:
+            self.end(
+                "idle", f"its input has ended, and it has sent for {HURRY_S:g} s without a wait"
             )
