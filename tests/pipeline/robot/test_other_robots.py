@@ -7,6 +7,8 @@ import pytest
 from tests.twin.urdf.test_urdf import RATED
 from tracerisk import api
 from tracerisk.common.verdict import Reason, Verdict
+from tracerisk.config import Settings
+from tracerisk.pipeline.robot.choice import driven_robot
 from tracerisk.pipeline.robot.elsewhere import not_blamed
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.twin.robots.robot import load_robot
@@ -70,10 +72,51 @@ def test_a_run_on_another_robot_says_how_to_name_the_right_one(tmp_path):
         "arm.go([0.1, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7], wait=True)\n"
         "arm.set_joint_value_target({''.join(['el', 'bow']): 0.3})\narm.go(wait=True)\n"
     )
-    from tracerisk.config import Settings
-
     known = api.load_controller(tmp_path / "go.py")
     verdict = api.trace_controller(known, Settings(draft=False)).verdict
     assert verdict is not None
     assert verdict.kind == "partial", verdict.reasons
     assert any("--robot other.urdf" in each.words for each in verdict.reasons), verdict.reasons
+
+
+LISTED = f"import rclpy\nJOINTS = {[f'joint{number}' for number in range(1, 7)]!r}\n"
+TOPIC = "TOPIC = '/xarm6_traj_controller/joint_trajectory'\n"
+
+
+@pytest.mark.parametrize(
+    ("folder", "is_doubted"),
+    [("lite6_demo", True), ("xarm6_and_lite6_demo", False), ("demo", False), ("panda_demo", False)],
+)
+def test_a_default_in_the_source_against_the_name_of_its_folder_is_assumed(
+    tmp_path, folder, is_doubted
+):
+    (tmp_path / ".git").mkdir()
+    script = tmp_path / folder / "go.py"
+    script.parent.mkdir()
+    script.write_text(LISTED + TOPIC)
+    robot = driven_robot(api.load_controller(script), Settings())
+    assert robot.name == "xarm6"
+    assert ("lite6" in robot.doubt) == is_doubted, robot.doubt
+
+
+def test_a_default_in_the_source_against_what_the_workspace_describes_is_assumed(tmp_path):
+    (tmp_path / ".git").mkdir()
+    urdf = RATED.replace('robot name="tiny"', 'robot name="lite6"')
+    for number, joint in enumerate(("shoulder", "elbow"), 1):
+        urdf = urdf.replace(f'"{joint}"', f'"joint{number}"')
+    (tmp_path / "lite6.urdf").write_text(urdf)
+    (tmp_path / "go.py").write_text("NAMES = ['joint1', 'joint2', 'xarm6']\n" + TOPIC)
+    robot = driven_robot(api.load_controller(tmp_path / "go.py"), Settings())
+    assert "lite6" in robot.name or "lite6.urdf" in robot.doubt, robot.chosen_by
+
+
+@pytest.mark.parametrize(
+    ("named", "other"), [("SO-ARM101", "so-arm101"), ("SO-ARM100", ""), ("an arm, 101 times", "")]
+)
+def test_a_model_of_another_number_than_the_known_one_is_assumed(tmp_path, named, other):
+    (tmp_path / ".git").mkdir()
+    joints = [joint.name for joint in load_robot("so100").arm_joints]
+    (tmp_path / "go.py").write_text(f'"""Moves {named}."""\nimport rclpy\nJOINTS = {joints!r}\n')
+    robot = driven_robot(api.load_controller(tmp_path / "go.py"), Settings())
+    assert robot.name == "so100"
+    assert (other in robot.doubt) if other else not robot.doubt, robot.doubt

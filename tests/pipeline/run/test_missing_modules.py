@@ -93,3 +93,22 @@ def test_the_table_is_sorted_and_names_each_module_once():
     assert rows[1:] == sorted(rows[1:])
     assert len(distributions()) == len(rows) - 1
     assert distributions()["cv2"] == "opencv-python"
+
+
+@pytest.mark.parametrize(
+    ("module", "is_told"), [("onrobot_rg_msgs.msg", True), ("colorama_that_nobody_has", False)]
+)
+def test_what_a_program_goes_on_without_is_told_if_it_is_of_a_robot(example, module, is_told):
+    example.write(
+        "go.py",
+        "import rospy, moveit_commander\n"
+        f"try:\n    from {module} import Command\nexcept ImportError:\n    Command = None\n"
+        "rospy.init_node('n')\narm = moveit_commander.MoveGroupCommander('panda_arm')\n"
+        "arm.go([0.1, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)\n",
+    )
+    ran = example.run("trace", "go.py", "--robot", "panda", "--json")
+    assert ran.code == 0, ran.err
+    verdict = ran.json["verdict"]
+    assert verdict["kind"] == ("partial" if is_told else "complete")
+    words = f"{module.partition('.')[0]} is not here, and the program went on without"
+    assert any(words in each["words"] for each in verdict["reasons"]) == is_told

@@ -122,3 +122,11 @@ def test_a_part_of_a_makers_library_without_the_part_that_uses_it_is_the_stand_i
     ran = example.run("trace", "src/demo/reach.py", "--json")
     assert ran.json["verdict"]["kind"] in ("complete", "partial"), ran.err
     assert ran.json["trace"]["commands"], ran.err
+
+
+def test_a_copy_that_needs_a_library_that_nobody_has_leaves_the_stand_in_in_place(example):
+    """Interbotix/interbotix_ros_toolboxes' arm.py imports modern_robotics."""
+    ran = baxter(example, "import rospy\nimport modern_robotics\n")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    assert "needs modern_robotics, not installed here" in ran.out
+    assert ran.json["trace"]["commands"]

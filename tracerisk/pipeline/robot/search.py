@@ -23,6 +23,7 @@ from tracerisk.pipeline.robot.evidence import (
     weighed,
 )
 from tracerisk.pipeline.robot.gathering import Gathered, Gathering
+from tracerisk.pipeline.robot.hints import folders_around
 from tracerisk.pipeline.robot.installed_descriptions import installed_in
 from tracerisk.pipeline.robot.speech import groups_asked_of, states_asked_of, strings_of
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
@@ -31,7 +32,7 @@ from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.prefix import with_numbered, with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.robot_names import is_number, mentioned
+from tracerisk.twin.robots.robot_names import another_number, is_number, mentioned
 from tracerisk.twin.workspace.described_robots import (
     DescribedRobot,
 )
@@ -129,7 +130,7 @@ class _Search:
         if workspace_robots.unreadable and not self._is_that(ranking.best, gathered):
             return self._unknown(ranking, workspace_robots.unreadable)
         robot = self._shipped_robot(ranking.best, gathered)
-        doubts = [*_doubts(ranking, gathered)]
+        doubts = [*_doubts(ranking, gathered), *self._contradictions(ranking.best, gathered)]
         if workspace_robots.unreadable and not (
             ranking.is_sure and self._names_joints(gathered, ranking)
         ):
@@ -137,6 +138,31 @@ class _Search:
                 f"that of the workspace cannot be read: {_listed(workspace_robots.unreadable)}"
             )
         return RobotChoice(equipped(_doubted(robot, doubts), self._whole))
+
+    def _contradictions(self, name: str, gathered: Gathered) -> Iterator[str]:
+        """Yield which other robots the workspace speaks of, though a source names a shipped one.
+
+        What a program was copied from stays in its topics and defaults; its folders are named for
+        what it drives, and what is described beside it is driven by somebody.
+        """
+        against = {one.robot for one in gathered.evidence if one.points < 0 and one.kind != "name"}
+        folders = " ".join((*folders_around(self._controller), self._controller.path.stem))
+        around = mentioned(folders, self._shipped)
+        others = sorted(around - against)
+        if name not in around and others:
+            yield f"its folders name {', '.join(others)}, not {name}; name it with --robot"
+        elif not around and (other := another_number(f"{folders} {self._text}", name)):
+            yield f"its folders or source name {other}, not {name}; name it with --robot"
+        spoken = {one.robot for one in gathered.evidence if one.points > 0}
+        for found in gathered.found.described:
+            key = found.key
+            called = mentioned(f"{key} {found.robot.name}", self._shipped)
+            if called and name not in called and key in spoken - against:
+                yield f"the workspace describes another, {key}; name it with --robot {key}"
+
+    @property
+    def _text(self) -> str:
+        return self._controller.source.decode(errors="replace")
 
     def _is_that(self, name: str, gathered: Gathered) -> bool:
         """Return whether a shipped robot may be the one of files that cannot be read.

@@ -120,6 +120,9 @@ def _run(stacks: TextIO, request: RunRequest, samples: SampleWriter, recorder: R
         recorder.note(GRAPH_USE, counts=dict(sorted(graph.runtime.graph.counts.items())))
         if words := words_of_several_arms(graph.runtime):
             recorder.finding("one_robot", words)
+        for name, place in imports.missing.went_without(imports.stand_ins.in_vain):
+            words = f"{name} is not here, and the program went on without: what it would do by it"
+            recorder.finding("unprovided", f"{words} is in no figure", place, object_name=name)
         world.twin.close()
         WallTime(wall_clock() - began, world.metered.seconds).write(points.folder)
         points.finish()

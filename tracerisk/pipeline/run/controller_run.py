@@ -138,6 +138,7 @@ def run_controller(
             reads_around=settings.launch is not False,
             companions=companions,
             duration_s=settings.run_duration_s,
+            is_duration_given=settings.duration_s is not None,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
             distro=choose_distro(controller, settings),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from tracerisk.errors import SourceError, TraceRiskError
+from tracerisk.errors import Location, SourceError, TraceRiskError
 from tracerisk.instrument.source.definitions.used_interfaces import imports_interfaces
 from tracerisk.instrument.source.python_2 import RENAMED, walk_with_guards
 from tracerisk.instrument.source.python_source import is_python_2, parse_source, parsed
@@ -67,6 +67,19 @@ class MissingModules:
             for name in names
         }
 
+    def went_without(self, in_vain: Collection[str]) -> Iterator[tuple[str, Location]]:
+        """Yield the modules that the program imports where it expects a failure, and where.
+
+        `in_vain` are the top names of those that failed in the run.
+        """
+        told: set[str] = set()
+        for path in program_files(self.script):
+            for node, names in self._statements(path, guarded=True):
+                for name in sorted({name.partition(".")[0] for name in names} - told):
+                    if name in in_vain:
+                        told.add(name)
+                        yield name, Location(self._shown(path), node.lineno)
+
     def _missing(self, failed: str, files: Iterable[Path]) -> list[str]:
         """Return the top modules that are missing, the one whose import failed first."""
         top = failed.partition(".")[0]
@@ -82,18 +95,25 @@ class MissingModules:
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
         """Yield the dotted names of the modules that files import, but for guarded imports."""
         for path in files:
-            source = source_bytes(path)
-            tree = parsed(source)
-            if tree is None:
-                continue
-            served = RENAMED if is_python_2(source) else ()
-            for node, is_guarded in walk_with_guards(tree):
-                names: list[str] = []
-                if isinstance(node, ast.Import) and not is_guarded:
-                    names = [alias.name for alias in node.names]
-                elif isinstance(node, ast.ImportFrom) and not is_guarded and not node.level:
-                    names = _modules_named(node)
-                yield from (name for name in names if name not in served)
+            for _, names in self._statements(path, guarded=False):
+                yield from names
+
+    @staticmethod
+    def _statements(path: Path, *, guarded: bool) -> Iterator[tuple[ast.stmt, list[str]]]:
+        """Yield the imports of a file that are guarded, or are not, with the modules they name."""
+        source = source_bytes(path)
+        tree = parsed(source)
+        if tree is None:
+            return
+        served = RENAMED if is_python_2(source) else ()
+        for node, is_guarded in walk_with_guards(tree):
+            names: list[str] = []
+            if isinstance(node, ast.Import) and is_guarded == guarded:
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and is_guarded == guarded and not node.level:
+                names = _modules_named(node)
+            if isinstance(node, ast.stmt):
+                yield node, [name for name in names if name not in served]
 
 
 def program_files(script: Path) -> Sequence[Path]:

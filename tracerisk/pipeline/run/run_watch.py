@@ -26,6 +26,7 @@ _SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
 _LEAST_STEP = 1e-6  # from cycle to cycle; what is less is rounding [rad or m]
 _STEP_SPREAD = 0.01  # how far equal steps differ, as a share of one
 _LONGEST_CYCLE = 100
+_MOST_SET_POINTS = 10_000  # of a stream that leads nowhere else
 _MANY_THE_SAME = 5000  # of so many that command the same a third of the idle time is enough
 
 # A way to a command: each function and the place in it. An iteration is its ways, in turn.
@@ -68,6 +69,12 @@ class _Loop:
     """The indices of those of which a command arrived, sorted."""
     same_from: int = 0
     """The index of the first of the latest ones that all command the same."""
+    stream_from: int = 0
+    """The index of the first of the latest ones that all command by the same ways."""
+    led_on: int = 0
+    """The index of the last of these that led beyond where those before it had been."""
+    range: list[tuple[float, float]] = field(default_factory=list)
+    """Where these lead, each value of a goal from its least to its greatest [rad or m]."""
     current: _Iteration = field(init=False)
     """The iteration that goes on."""
 
@@ -80,11 +87,20 @@ class RunWatch:
     """Watches commands and loops of a run, and ends it where nothing new will come.
 
     `schedule` (an attribute) is that of the scenario: while it has more to give, a run goes on.
-    A loop is idle in which nothing was commanded for `idle_s` [s].
+    A loop is idle in which nothing was commanded for `idle_s` [s]. A stream of set points is cut
+    before the time of the run is over where `cuts_streams`, for nobody asked for that time.
     """
 
-    def __init__(self, scheduler: Scheduler, recorder: Recorder, idle_s: float = IDLE_S) -> None:
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        recorder: Recorder,
+        idle_s: float = IDLE_S,
+        *,
+        cuts_streams: bool = False,
+    ) -> None:
         self.idle_s = idle_s
+        self._cuts_streams = cuts_streams
         self._scheduler = scheduler
         self._recorder = recorder
         self.schedule: Schedule | None = None
@@ -273,8 +289,10 @@ class RunWatch:
         """
         loop.past.append(loop.current)
         loop.quiet_ns = now_ns
-        if not _is_same_cycle(loop.past[-1:], loop.past[-2:-1]):
+        # Beside the first of them: what creeps on differs little from the one before.
+        if not _is_same_cycle(loop.past[-1:], loop.past[loop.same_from : loop.same_from + 1]):
             loop.same_from = loop.current.number
+        _follow(loop)
         if self._scheduler.over is not None or self._is_expecting:
             return
         pair = _cycle_start(loop.past, loop.reached)
@@ -294,6 +312,21 @@ class RunWatch:
                 f"end, and {_ends_of(loop)}",
                 loop.place,
             )
+        elif self._cuts_streams and self._goes_on_and_on(loop, now_ns):
+            count = len(loop.past) - loop.stream_from
+            self._scheduler.end(
+                "duration",
+                f"{count} set points of a loop without an end were carried out, and since the "
+                f"first {loop.led_on - loop.stream_from + 1} none led beyond where it had been",
+                loop.place,
+            )
+
+    def _goes_on_and_on(self, loop: _Loop, now_ns: int) -> bool:
+        """Return whether a loop has given very many set points, and led nowhere else for long."""
+        count = len(loop.past) - loop.stream_from
+        if count < _MOST_SET_POINTS or 2 * (loop.led_on - loop.stream_from) > count:
+            return False
+        return now_ns - loop.past[loop.stream_from].start_ns >= self.idle_s / 3 * 1e9
 
     def _never_arrives(self, loop: _Loop, now_ns: int) -> bool:
         """Return whether a loop has long commanded the same, and none of it has arrived."""
@@ -302,6 +335,21 @@ class RunWatch:
             return False
         lasting_s = (now_ns - loop.past[loop.same_from].start_ns) * 1e-9
         return lasting_s >= (self.idle_s if count < _MANY_THE_SAME else self.idle_s / 3)
+
+
+def _follow(loop: _Loop) -> None:
+    """Note where the iteration that was closed leads, as one of a stream by the same ways."""
+    values = [value for goal in loop.current.goals for value in goal]
+    is_same = _has_same_ways(loop.past[-1:], loop.past[-2:-1])
+    if not is_same or len(values) != len(loop.range):
+        loop.stream_from = loop.led_on = loop.current.number
+        loop.range = [(value, value) for value in values]
+        return
+    for index, value in enumerate(values):
+        least, greatest = loop.range[index]
+        if not least - _SAME_GOAL <= value <= greatest + _SAME_GOAL:
+            loop.led_on = loop.current.number
+            loop.range[index] = (min(least, value), max(greatest, value))
 
 
 def _ends_of(loop: _Loop) -> str:

@@ -161,7 +161,7 @@ def _of_end(run: RecordedRun) -> Iterator[Reason]:
     elif end.cause == "duration" and not run.is_duration_given:
         yield _reason(
             "duration-cut",
-            "the default duration cut the run, so the figure rests on it; --duration S sets how "
+            f"the run was cut, so the figure rests on where: {end.message}; --duration S sets how "
             "long a mission lasts",
             object_name="duration",
             time_s=end.simulated_s,

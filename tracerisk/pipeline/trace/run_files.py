@@ -270,6 +270,8 @@ class RunRequest:
     """The name of the world that the cell behaves as."""
     idle_s: float = IDLE_S
     """The simulated time without a command after which a loop is idle [s]."""
+    is_duration_given: bool = False
+    """Whether somebody asked for that duration."""
 
     @property
     def replaced_bytes(self) -> dict[str, bytes]:

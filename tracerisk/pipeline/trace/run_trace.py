@@ -365,7 +365,7 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
         lines.append("mission: over where the controller's loop had nothing more to command")
     if end.cause == "duration":
         lines.append(
-            f"mission: cut after {settings.run_duration_s:g} s of simulated time (--duration); the "
+            f"mission: cut after {end.simulated_s:g} s of simulated time (--duration); the "
             "controller did not end by itself"
         )
     return tuple(lines)

@@ -83,6 +83,8 @@ class StandInFinder(MetaPathFinder):
         self.interfaces = interfaces if interfaces is not None else Interfaces()
         self._giving_way = frozenset(giving_way)
         self._missing = _MissingRosFinder(self)
+        self.in_vain: set[str] = set()
+        """The top names of what looks like a robot's and was imported in vain."""
         self._shadowed: dict[str, ModuleType] = {}
 
     @cached_property
@@ -228,6 +230,7 @@ class _MissingRosFinder(MetaPathFinder):
             return cfg_module(fullname, path) or compiled_module(fullname, path)
         message = missing_module(fullname, self._stand_ins.provides)
         if message is not None:
+            self._stand_ins.in_vain.add(fullname)
             raise ModuleNotFoundError(message, name=fullname)
         return None
 

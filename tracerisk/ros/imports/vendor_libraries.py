@@ -8,10 +8,11 @@ tracerisk requires it, otherwise the stand-in.
 
 from __future__ import annotations
 
+import ast
 import csv
 import re
 import sys
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
@@ -150,8 +151,10 @@ class GivingWay:
 
     names: frozenset[str]
     """The top names of those that do."""
-    unreadable: Mapping[str, Path]
-    """The folders of the workspace's copies that cannot be read as Python, by their top names."""
+    unusable: Mapping[str, Path]
+    """The folders of the workspace's copies that cannot run here, by their top names."""
+    why: Mapping[str, str]
+    """Why each of these cannot: it is no Python, or needs a library that nobody has."""
 
 
 def giving_way(packages: Mapping[str, Path]) -> GivingWay:
@@ -160,21 +163,41 @@ def giving_way(packages: Mapping[str, Path]) -> GivingWay:
     `packages` maps its Python packages to the folders that hold them.
     """
     copies = VENDOR_LIBRARIES & packages.keys()
-    unreadable = {
-        name: packages[name] / name
-        for name in packages
-        if name in copies and _is_unreadable(packages[name] / name)
-    }
+    why = {name: _why_not(packages[name] / name, packages) for name in sorted(copies)}
+    why = {name: words for name, words in why.items() if words}
+    unusable = {name: packages[name] / name for name in why}
     without_their_users = {
         name
         for name, user in _TOGETHER.items()
         if name in copies and user not in copies and not is_installed(user)
     }
-    return GivingWay(VENDOR_LIBRARIES - unreadable.keys() - without_their_users, unreadable)
+    return GivingWay(VENDOR_LIBRARIES - unusable.keys() - without_their_users, unusable, why)
 
 
-def _is_unreadable(package: Path) -> bool:
-    return any(parsed(file_bytes(file)) is None for file in sorted(package.glob("*.py")))
+def _why_not(package: Path, packages: Collection[str]) -> str:
+    """Return why a copy of a library cannot run; empty where nothing speaks against it.
+
+    Whoever drives the robot has what its library needs; who only assesses the program may not.
+    """
+    trees = [parsed(file_bytes(file)) for file in sorted(package.glob("*.py"))]
+    if None in trees:
+        return "is no Python"
+    tops = {name.partition(".")[0] for tree in trees if tree is not None for name in _needs(tree)}
+    absent = sorted(
+        name
+        for name in tops & distributions().keys() - set(packages)
+        if name not in sys.stdlib_module_names and not is_installed(name)
+    )
+    return f"needs {' and '.join(absent)}, not installed here" if absent else ""
+
+
+def _needs(tree: ast.Module) -> Iterator[str]:
+    """Yield the modules that a file imports whatever it goes on to do."""
+    for statement in tree.body:
+        if isinstance(statement, ast.Import):
+            yield from (alias.name for alias in statement.names)
+        elif isinstance(statement, ast.ImportFrom) and not statement.level and statement.module:
+            yield statement.module
 
 
 @dataclass(frozen=True, slots=True)

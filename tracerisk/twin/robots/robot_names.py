@@ -103,6 +103,19 @@ def another_arm(text: str, robot: str) -> str | None:
     return next((word[0] for word in words if word is not None), None)
 
 
+def another_number(text: str, robot: str) -> str | None:
+    """Return the model of another number that a text names: `SO-ARM101` beside `so100`."""
+    own = re.fullmatch(r"([a-z]{2,})_?(\d+)[a-z]*", robot)
+    if own is None:
+        return None
+    stem, number = own.groups()
+    model = rf"(?<![a-z0-9]){stem}[ _-]?(?:arm)?[ _-]?(\d{{{len(number)}}})(?![0-9])"
+    found = tuple(re.finditer(model, text.lower()))
+    if any(one[1] == number for one in found):
+        return None
+    return next((one[0] for one in found), None)
+
+
 def words_in(strings: Iterable[str]) -> frozenset[str]:
     """Return the strings, and their parts between slashes, blanks and stops."""
     words: set[str] = set()

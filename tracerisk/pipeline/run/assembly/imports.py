@@ -70,9 +70,14 @@ def build_imports(
     script, root = Path(request.controller), project.root
     workspace, recorder = graph.workspace, world.recorder
     ways = giving_way(workspace.python_packages)
-    for name, folder in ways.unreadable.items():
-        words = f"{name} of the workspace is no Python; tracerisk's stand-in for it runs instead"
-        recorder.finding("removed_name", words, Location(str(folder)), object_name=name)
+    for name, folder in ways.unusable.items():
+        words = (
+            f"{name} of the workspace {ways.why[name]}; tracerisk's stand-in for it runs instead"
+        )
+        # Its author may have changed what he has a copy of.
+        is_other = "needs" in ways.why[name]
+        kind = "assumed_setting" if is_other else "removed_name"
+        recorder.finding(kind, words, Location(str(folder)), object_name=name)
     stand_ins = StandInFinder(graph.interfaces, ways.names)
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - ways.names

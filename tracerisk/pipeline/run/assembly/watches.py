@@ -47,7 +47,9 @@ def build_watches(
 ) -> Watches:
     """Build who watches a run, and have the world call them."""
     twin, scheduler, recorder = world.twin, world.scheduler, world.recorder
-    watch = RunWatch(scheduler, recorder, request.idle_s)
+    watch = RunWatch(
+        scheduler, recorder, request.idle_s, cuts_streams=not request.is_duration_given
+    )
     recorder.watch, world.tracer.on_iteration = watch, watch.looped
     schedule = watch.schedule = graph.scenario.schedule
     values = UsableValues(

@@ -41,6 +41,8 @@ class LaunchedControllers:
         self._texts = tuple(islice(_texts(folders, _NAMES), _MOST_FILES))
         own = () if script is None else _read([script], _SOURCES)
         self._sources = (*own, *islice(_texts(folders, _SOURCES), _MOST_FILES))
+        # A stream of set points asks for each of them.
+        self._named: dict[str, bool] = {}
 
     @property
     def has_own_bring_up(self) -> bool:
@@ -49,8 +51,12 @@ class LaunchedControllers:
 
     def name(self, word: str) -> bool:
         """Whether a file or a program names a package or a controller."""
-        pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
-        return any(pattern.search(text) for text in (*self._texts, *self._sources))
+        named = self._named.get(word)
+        if named is None:
+            pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
+            named = any(pattern.search(text) for text in (*self._texts, *self._sources))
+            self._named[word] = named
+        return named
 
     def command(self, controller: str) -> bool:
         """Whether a program has a text that is a controller, or a topic or an action below it.
