@@ -180,3 +180,27 @@ def test_what_stands_beside_a_stop_of_an_emergency_is_one_too(tmp_path, test, wo
 def test_an_emergency_is_left_out_unless_the_code_knows_nothing_else():
     assert without_emergency(("up", "estop", "down")) == ("up", "down")
     assert without_emergency(("estop",)) == ("estop",)
+
+
+@pytest.mark.parametrize(
+    ("body", "texts"),
+    [
+        ("for word in TABLE:\n        if word in text: go(TABLE[word])", ("wave", "bow")),
+        ("for word, goal in TABLE.items():\n        if word == text: go(goal)", ("wave", "bow")),
+        ("if any(word in text for word in TABLE): go()", ("wave", "bow")),
+        ("for goal, words in INTENTS.items():\n        if any(w in text for w in words): go(goal)",
+         ("pick up", "grab", "let go")),
+        ("for word, pose in [('up', 1), ('down', 2)]:\n        if word in text: go(pose)",
+         ("up", "down")),
+        ("for word in TABLE: log(word)\n    word = 'no'\n    if word in text: go()", ()),
+    ],
+)  # fmt: skip
+def test_what_a_loop_goes_through_is_compared_word_by_word(tmp_path, body, texts):
+    file = tmp_path / "voice.py"
+    file.write_text(
+        "Subscriber('/voice', String, heard)\nTABLE = {'wave': [0.1], 'bow': [0.2]}\n"
+        "INTENTS = {'pick': ['pick up', 'grab'], 'drop': ('let go',)}\n"
+        f"def heard(msg):\n    text = msg.data.lower()\n    {body}\n"
+    )
+    found = compared_in_callback(Location(str(file), 1))
+    assert found.texts(("data",)) == texts

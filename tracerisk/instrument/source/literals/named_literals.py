@@ -50,11 +50,66 @@ def _named(tree: ast.Module) -> dict[str, ast.expr]:
             values |= {name: value, f"{name}.value": value, f"self.{short}": value}
             given[name] = given[f"{name}.value"] = 1
             given[f"self.{short}"] += 1
-    return {
+    named = {
         name: _with_keys(value, put.get(name, ()))
         for name, value in values.items()
         if name and given[name] == 1 and isinstance(value, _WHOLE)
     }
+    return named | _looped(tree, named, given)
+
+
+def _looped(
+    tree: ast.Module, named: Mapping[str, ast.expr], given: Mapping[str, int]
+) -> dict[str, ast.expr]:
+    """Return the texts through which loops go, by the name that a loop gives each of them.
+
+    `for word, pose in poses.items()` gives `word` the keys, and `pose` the texts of the values.
+    """
+    texts: dict[str, list[ast.expr]] = {}
+    loops: Counter[str] = Counter()
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.For | ast.comprehension):
+            continue
+        for target, items in _columns(node.target, node.iter, {**named, **_lists(texts)}):
+            if isinstance(target, ast.Name):
+                loops[target.id] += 1
+                texts.setdefault(target.id, []).extend(items)
+    return {name: value for name, value in _lists(texts).items() if given[name] == loops[name]}
+
+
+def _lists(texts: Mapping[str, list[ast.expr]]) -> dict[str, ast.expr]:
+    return {name: ast.List(items, ast.Load()) for name, items in texts.items() if items}
+
+
+def _columns(
+    target: ast.expr, iterated: ast.expr, known: Mapping[str, ast.expr]
+) -> Iterator[tuple[ast.expr, list[ast.expr]]]:
+    """Yield each target of a loop with the texts that it is given one after another."""
+    method = ""
+    if isinstance(iterated, ast.Call) and isinstance(iterated.func, ast.Attribute):
+        method, iterated = iterated.func.attr, iterated.func.value
+    whole = known.get(dotted_name(iterated), iterated)
+    rows: list[tuple[ast.expr, ...]] = []
+    if isinstance(whole, ast.Dict) and method in ("", "items", "keys"):
+        pairs = [(k, v) for k, v in zip(whole.keys, whole.values, strict=True) if k is not None]
+        rows = [pair if method == "items" else pair[:1] for pair in pairs]
+    elif isinstance(whole, ast.List | ast.Tuple | ast.Set) and not method:
+        is_row = isinstance(target, ast.Tuple)
+        rows = [
+            tuple(item.elts) if is_row and isinstance(item, ast.Tuple) else (item,)
+            for item in whole.elts
+        ]
+    targets = target.elts if isinstance(target, ast.Tuple) else [target]
+    for index, part in enumerate(targets):
+        yield part, [text for row in rows if index < len(row) for text in _texts(row[index])]
+
+
+def _texts(node: ast.expr) -> list[ast.expr]:
+    """Return a text, or those of a list."""
+    items = node.elts if isinstance(node, ast.List | ast.Tuple | ast.Set) else [node]
+    return [
+        item for item in items if isinstance(item, ast.Constant) and isinstance(item.value, str)
+    ]
 
 
 def _with_keys(value: ast.expr, keys: Iterable[ast.expr]) -> ast.expr:
