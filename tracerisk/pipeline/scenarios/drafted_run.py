@@ -216,7 +216,7 @@ class _Places:
         self.drafted += 1
         text = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)
         text = _LINE_OF_SOURCE.sub(r"\1", text)
-        key = self._search.entry_at(self._entries, place.line or 0)
+        key = self._search.supply.entry_at(self._entries, place.line or 0)
         if key is not None and key[0] == "publish":
             text += f", {_when(self._entries.drafts[key].value)}"
         return replace(moved, words=f"{text}; nobody has confirmed it")
