@@ -46,6 +46,43 @@ def test_run_check_says_that_a_controller_would_change_and_leaves_it(example, qu
     assert example.files() == before
 
 
+STEPS = """\
+import sys
+import moveit_commander
+
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+
+
+def send(angle):
+    arm.go([angle, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)
+
+
+def first():
+    send(0.1)
+
+
+def second():
+    send(0.2)
+
+
+first()
+if len(sys.argv) > 1:
+    second()
+"""
+
+
+def test_a_function_that_is_a_step_no_more_by_other_calls_is_named(example):
+    example.write("c.py", STEPS)
+    first = example.run("run", "c.py", "--robot", "panda")
+    assert first.code == 0
+    assert "though the code" not in first.err
+    again = example.run("run", "c.py", "--robot", "panda", "--", "both")
+    assert again.code == 0
+    said = "c.py: first now counts by itself and what send does now counts for its callers, though"
+    assert said in again.err
+
+
 def test_a_lock_that_is_not_where_one_stands_is_named(example, quick):
     (example.folder / "cell").mkdir()
     example.write("cell/pyproject.toml", "[tool.tracerisk]\n")

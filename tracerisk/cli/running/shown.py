@@ -32,6 +32,7 @@ from tracerisk.cli.shared.run_report import (
     note_draft,
     note_moved,
     object_lines,
+    other_steps,
     print_failure,
     trace_as_typed,
 )
@@ -71,6 +72,8 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     typed = trace_as_typed(trace, options.controller)
     note_draft(typed, quiet=options.quiet)
     note_moved(annotated.moved, options.controller, quiet=options.quiet)
+    for line in other_steps(annotated):
+        note(f"{options.controller}: {line}", quiet=options.quiet)
     risks = {"mission failure": assessment.mission.failure_probability}
     code = max(
         verdict_exit(trace.verdict),

@@ -18,11 +18,14 @@ from tracerisk.common.traced.elements import Element
 from tracerisk.common.traced.findings import NOTES, Finding
 from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.trace import NOT_THERE, Trace
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks
+    from tracerisk.adder.lock.lock import ControllerLock
     from tracerisk.adder.merge.owned import MovedUse
+    from tracerisk.pipeline.annotate import Annotated
 
 _SHOWN_S = 0.005  # less is printed as 0.00
 _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
@@ -215,6 +218,37 @@ def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None
         names = computed.names
         log = {QualifiedName(names[ref]): item for ref, item in computed.observed.items()}
         write_file(options.log, write_log(log))
+
+
+def other_steps(annotated: Annotated) -> Iterator[str]:
+    """Yield which functions are steps now and were not in the run before, of the same code."""
+    controller, change = annotated.controller, annotated.change
+    before = controller.project.lock.controllers.get(controller.file)
+    if before is None or change is None:
+        return
+    now = change.lock.controllers[controller.file]
+    if before.inputs.get("sources") != now.inputs.get("sources"):
+        return
+    (steps_then, unreached_then), (steps_now, unreached_now) = map(_steps, (before, now))
+    # What was not reached in one of the runs may well be a step of the other.
+    came = sorted(steps_now - steps_then - unreached_then)
+    went = sorted(steps_then - steps_now - unreached_now)
+    if came or went:
+        are = f"{', '.join(came)} now counts by itself" if came else ""
+        are_not = f"what {', '.join(went)} does now counts for its callers" if went else ""
+        yield (
+            f"{' and '.join(filter(None, (are, are_not)))}, though the code is as it was: which "
+            "functions are steps, and which only help these, follows from the calls that ran; "
+            "`states` and `helpers` in [tool.tracerisk] settle it"
+        )
+
+
+def _steps(entry: ControllerLock) -> tuple[set[str], set[str]]:
+    """Return the names of the functions with blocks, and of those that a run did not reach."""
+    verdict = kept_verdict(entry)
+    unreached = () if verdict is None else verdict.coverage.never_ran
+    steps = {name for blocks in entry.blocks.values() for name in blocks}
+    return steps, {str(one.ref.name) for one in unreached}
 
 
 def blocks_line(path: str, count: int, *, keeps_files: bool, is_changed: bool) -> str:
