@@ -11,9 +11,11 @@ from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
+from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.simulation.twin import Twin
 from tracerisk.twin.urdf.assembly import ASSUMED_VELOCITY
 from tracerisk.twin.urdf.srdf import read_srdf
+from tracerisk.twin.urdf.text import urdf_text
 from tracerisk.twin.urdf.urdf import read_urdf
 
 URDF = """<?xml version="1.0"?>
@@ -177,6 +179,12 @@ def test_fingers_make_a_gripper_that_moves_as_its_first_joint():
     assert gripper.opening == 0.03
     assert gripper.effort == 15.0
     assert set(gripper.pads) == {"left_finger", "right_finger"}
+
+
+def test_a_finger_that_no_group_plans_for_follows_the_first_in_the_robots_text():
+    follows = '<mimic joint="left_finger_joint" multiplier="-1" offset="0" />'
+    assert urdf_text(robot()).count("<mimic") == urdf_text(robot()).count(follows) == 1
+    assert "<mimic" not in urdf_text(load_robot("panda"))
 
 
 def linked(name: str, parent: str, mimics: str = "") -> str:

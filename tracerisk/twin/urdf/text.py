@@ -20,6 +20,7 @@ def urdf_text(robot: Robot, *, with_shapes: bool = False) -> str:
     """
     top = ET.Element("robot", name=robot.name)
     joints = {joint.name: joint for joint in robot.joints}
+    followed = _followed(robot)
     for link in robot.links:
         node = ET.SubElement(top, "link", name=link.name)
         if link.mass > 0.0:
@@ -43,7 +44,21 @@ def urdf_text(robot: Robot, *, with_shapes: bool = False) -> str:
         if attachment.type != "continuous":
             limits |= {"lower": joint.lower, "upper": joint.upper}
         ET.SubElement(node, "limit", {name: f"{value:.9g}" for name, value in limits.items()})
+        if attachment.name in followed:
+            lead, sign = followed[attachment.name]
+            ET.SubElement(node, "mimic", joint=lead, multiplier=str(sign), offset="0")
     return ET.tostring(top, encoding="unicode")
+
+
+def _followed(robot: Robot) -> dict[str, tuple[str, int]]:
+    """Return whom each finger follows that no group plans for, and in which direction."""
+    planned = {name for group in robot.groups.values() for name in group.joints}
+    return {
+        name: (gripper.joints[0], gripper.sign(name) * gripper.sign(gripper.joints[0]))
+        for gripper in robot.grippers
+        for name in gripper.joints[1:]
+        if name not in planned
+    }
 
 
 def _add_shape(link: ET.Element, shape: Shape) -> None:
