@@ -91,7 +91,9 @@ int main(int argc, char** argv)
   box.primitive_poses.resize(1);
   box.primitive_poses[0].position.x = -0.5;
   box.primitive_poses[0].orientation.w = 1.0;
-  scene.applyCollisionObject(box);
+  scene.applyCollisionObject(box, std_msgs::ColorRGBA());
+  const moveit::planning_interface::PlanningSceneInterface& fixed = scene;
+  fixed.removeCollisionObjects({"none"});
   Picker picker;
   const bool isUsual = picker.isFreshTargetUsual();
   picker.home();
@@ -99,6 +101,7 @@ int main(int argc, char** argv)
   const bool isDown = picker.lower();
   picker.grip();
   const bool isAway = picker.retreat();
-  const bool isKnown = scene.getKnownObjectNames() == std::vector<std::string>{"box"};
+  const bool isKnown = scene.getKnownObjectNames() == std::vector<std::string>{"box"} &&
+                       scene.getAttachedObjects().empty();
   return isUsual && isAbove && isDown && isAway && isKnown ? 0 : 1;
 }

@@ -131,7 +131,7 @@ int main(int argc, char** argv)
     picker.grip();
     isWell = isWell && picker.retreat();
     isWell = isWell && scene.getKnownObjectNames() == std::vector<std::string>{"box"} &&
-             scene.getObjects().count("box") == 1;
+             scene.getObjects().count("box") == 1 && scene.getAttachedObjects().empty();
     if (argc > 1 && std::string(argv[1]) == "--far") isWell = picker.isUnreachable();
   }
   rclcpp::shutdown();

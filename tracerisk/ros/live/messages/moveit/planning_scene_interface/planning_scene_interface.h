@@ -14,6 +14,8 @@ namespace planning_interface {
 
 class PlanningSceneInterface {
  public:
+  typedef std::vector<of_ros::moveit_msg::ObjectColor> Colors;
+
   explicit PlanningSceneInterface(const std::string& space = "", bool waits = true)
       : node_(space),
         apply_(node_.client<of_ros::moveit_srv::ApplyPlanningScene>("apply_planning_scene", waits)),
@@ -42,18 +44,43 @@ class PlanningSceneInterface {
     }
     return objects;
   }
+  // Return the attached objects of those names, or all.
+  std::map<std::string, of_ros::moveit_msg::AttachedCollisionObject> getAttachedObjects(
+      const std::vector<std::string>& names = {})
+  {
+    std::map<std::string, of_ros::moveit_msg::AttachedCollisionObject> objects;
+    const auto there = scene(of_ros::moveit_msg::PlanningSceneComponents::ROBOT_STATE_ATTACHED_OBJECTS);
+    for (const auto& object : there.robot_state.attached_collision_objects) {
+      const std::string& id = object.object.id;
+      if (names.empty() || std::find(names.begin(), names.end(), id) != names.end()) {
+        objects[id] = object;
+      }
+    }
+    return objects;
+  }
   bool applyCollisionObject(const of_ros::moveit_msg::CollisionObject& object)
   {
     return applyCollisionObjects({object});
   }
-  bool applyCollisionObjects(const std::vector<of_ros::moveit_msg::CollisionObject>& objects)
+  template <class Color>  // std_msgs/ColorRGBA, of the object for who shows it
+  bool applyCollisionObject(const of_ros::moveit_msg::CollisionObject& object, const Color&)
   {
-    return applyPlanningScene(with(objects));
+    return applyCollisionObjects({object});
+  }
+  bool applyCollisionObjects(const std::vector<of_ros::moveit_msg::CollisionObject>& objects,
+                             const Colors& colors = {})
+  {
+    return applyPlanningScene(with(objects, colors));
   }
   bool applyAttachedCollisionObject(const of_ros::moveit_msg::AttachedCollisionObject& object)
   {
-    of_ros::moveit_msg::PlanningScene scene = with({});
-    scene.robot_state.attached_collision_objects = {object};
+    return applyAttachedCollisionObjects({object});
+  }
+  bool applyAttachedCollisionObjects(
+      const std::vector<of_ros::moveit_msg::AttachedCollisionObject>& objects)
+  {
+    of_ros::moveit_msg::PlanningScene scene = with({}, {});
+    scene.robot_state.attached_collision_objects = objects;
     return applyPlanningScene(scene);
   }
   bool applyPlanningScene(const of_ros::moveit_msg::PlanningScene& scene)
@@ -63,11 +90,12 @@ class PlanningSceneInterface {
     request.scene = scene;
     return apply_(request, response) && response.success;
   }
-  void addCollisionObjects(const std::vector<of_ros::moveit_msg::CollisionObject>& objects)
+  void addCollisionObjects(const std::vector<of_ros::moveit_msg::CollisionObject>& objects,
+                           const Colors& colors = {}) const
   {
-    scene_(with(objects));
+    scene_(with(objects, colors));
   }
-  void removeCollisionObjects(const std::vector<std::string>& names)
+  void removeCollisionObjects(const std::vector<std::string>& names) const
   {
     std::vector<of_ros::moveit_msg::CollisionObject> objects(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -79,10 +107,11 @@ class PlanningSceneInterface {
 
  private:
   static of_ros::moveit_msg::PlanningScene with(
-      const std::vector<of_ros::moveit_msg::CollisionObject>& objects)
+      const std::vector<of_ros::moveit_msg::CollisionObject>& objects, const Colors& colors)
   {
     of_ros::moveit_msg::PlanningScene scene;
     scene.world.collision_objects = objects;
+    scene.object_colors = colors;
     scene.robot_state.is_diff = true;
     scene.is_diff = true;
     return scene;
@@ -90,11 +119,16 @@ class PlanningSceneInterface {
 
   std::vector<of_ros::moveit_msg::CollisionObject> world(unsigned int components)
   {
+    return scene(components).world.collision_objects;
+  }
+
+  of_ros::moveit_msg::PlanningScene scene(unsigned int components)
+  {
     of_ros::moveit_srv::GetPlanningScene::Request request;
     of_ros::moveit_srv::GetPlanningScene::Response response;
     request.components.components = components;
     get_(request, response);
-    return response.scene.world.collision_objects;
+    return response.scene;
   }
 
   of_ros::Node node_;
