@@ -13,8 +13,8 @@ from tracerisk.pipeline.run.assembly.graph import ServedGraph
 from tracerisk.pipeline.run.assembly.world import SimulatedWorld
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.needs.unmet_needs import UnmetNeeds
-from tracerisk.pipeline.run.run_watch import RunWatch
-from tracerisk.pipeline.run.stall_watch import StallWatch
+from tracerisk.pipeline.run.watching.run_watch import RunWatch
+from tracerisk.pipeline.run.watching.stall_watch import StallWatch
 from tracerisk.pipeline.trace.run_files import LOST_ON_THE_WAY, READ, RunRequest
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.project import Project

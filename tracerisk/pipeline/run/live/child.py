@@ -32,7 +32,7 @@ from tracerisk.pipeline.run.assembly.world import build_world
 from tracerisk.pipeline.run.child import recorded
 from tracerisk.pipeline.run.live.nodes import LOG, LOG_TYPES, CompiledNodes
 from tracerisk.pipeline.run.live.watch import RemoteThreads
-from tracerisk.pipeline.run.run_watch import RunWatch
+from tracerisk.pipeline.run.watching.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
     COMMAND_ENVIRONMENT,
     ENTRY,

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tracerisk.pipeline.run.run_watch import RunWatch
+from tracerisk.pipeline.run.watching.run_watch import RunWatch
 
 PERIOD_NS = 5_000_000
 FRAME = SimpleNamespace(function="step", site=0, instance=0, root="main", activation=1)

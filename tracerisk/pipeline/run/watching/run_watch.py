@@ -5,82 +5,30 @@ See docs/theory.md#when-a-run-ends.
 
 from __future__ import annotations
 
-from bisect import bisect, insort
+from bisect import insort
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
 
 from tracerisk.errors import Location
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.recording import is_near
 from tracerisk.instrument.tracer import Frame
+from tracerisk.pipeline.run.watching.loops import (
+    CYCLES_SEEN,
+    SAME_GOAL,
+    Iteration,
+    Loop,
+    cycle_start,
+    ends_of,
+    follow,
+    is_same_cycle,
+)
 from tracerisk.pipeline.trace.run_files import CYCLE, IDLE_S, MISSION_END
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.time.scheduler import ControllerThread, Scheduler
 from tracerisk.trace import CommandEnd
 
-CYCLES_SEEN = 3
-"""How often the same cycle must have come."""
-_CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsewhere each time
-_SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
-_LEAST_STEP = 1e-6  # from cycle to cycle; what is less is rounding [rad or m]
-_STEP_SPREAD = 0.01  # how far equal steps differ, as a share of one
-_LONGEST_CYCLE = 100
 _MOST_SET_POINTS = 10_000  # of a stream that leads nowhere else
 _MANY_THE_SAME = 5000  # of so many that command the same a third of the idle time is enough
-
-# A way to a command: each function and the place in it. An iteration is its ways, in turn.
-_Way = tuple[object, ...]
-
-
-@dataclass(slots=True)
-class _Iteration:
-    start_ns: int
-    """When it began, in simulated time [ns]."""
-    number: int
-    """Its index among those of its loop that commanded something."""
-    of_loop: _Loop
-    """The loop of the iteration."""
-    ways: list[_Way] = field(default_factory=list)
-    """The calls on the stack of each command, without immediate repetitions."""
-    goals: list[tuple[float, ...]] = field(default_factory=list)
-    """The goal of each command [rad or m], without immediate repetitions."""
-    has_reached: bool = False
-    """Whether one of its commands arrived."""
-    has_failed: bool = False
-    """Whether one of its commands ended in another way than that another one replaced it."""
-
-
-@dataclass(slots=True, eq=False)
-class _Loop:
-    """An endless loop, or all callbacks together."""
-
-    thread: int
-    """The number of the thread that runs it; 0 for callbacks."""
-    place: Location | None
-    """The file and line of the loop; `None` for callbacks."""
-    quiet_ns: int
-    """Since when it commands nothing [ns]."""
-    root: int = 0
-    """The activation of the callback that commanded last; 0 for a loop."""
-    past: list[_Iteration] = field(default_factory=list)
-    """Those that commanded something."""
-    reached: list[int] = field(default_factory=list)
-    """The indices of those of which a command arrived, sorted."""
-    same_from: int = 0
-    """The index of the first of the latest ones that all command the same."""
-    stream_from: int = 0
-    """The index of the first of the latest ones that all command by the same ways."""
-    led_on: int = 0
-    """The index of the last of these that led beyond where those before it had been."""
-    range: list[tuple[float, float]] = field(default_factory=list)
-    """Where these lead, each value of a goal from its least to its greatest [rad or m]."""
-    current: _Iteration = field(init=False)
-    """The iteration that goes on."""
-
-    def begin(self, now_ns: int) -> None:
-        """Begin an iteration."""
-        self.current = _Iteration(now_ns, len(self.past), self)
 
 
 class RunWatch:
@@ -104,9 +52,9 @@ class RunWatch:
         self._scheduler = scheduler
         self._recorder = recorder
         self.schedule: Schedule | None = None
-        self._loops: dict[tuple[int, str, int], _Loop] = {}
-        self._callbacks: _Loop | None = None
-        self._iteration_of: dict[int, list[_Iteration]] = {}
+        self._loops: dict[tuple[int, str, int], Loop] = {}
+        self._callbacks: Loop | None = None
+        self._iteration_of: dict[int, list[Iteration]] = {}
         self._last_command_ns: int | None = None
         self._idle_ns: int | None = None
         self._spin: object = None
@@ -118,7 +66,7 @@ class RunWatch:
         key = (thread, file, line)
         loop = self._loops.pop(key, None)
         if loop is None:
-            loop = _Loop(thread, Location(file, line), now_ns)
+            loop = Loop(thread, Location(file, line), now_ns)
         elif loop.current.ways:
             self._close(loop, now_ns)
         # The last of the table is the innermost of those that run.
@@ -136,7 +84,7 @@ class RunWatch:
         now_ns = self._scheduler.now_ns
         loop = self._callbacks
         if loop is None:
-            loop = self._callbacks = _Loop(0, None, now_ns, root.activation)
+            loop = self._callbacks = Loop(0, None, now_ns, root.activation)
             loop.begin(now_ns)
         if loop.root != root.activation:
             loop.root = root.activation
@@ -163,7 +111,7 @@ class RunWatch:
             is_another = not current.ways or current.ways[-1] != way
             if is_another:
                 current.ways.append(way)
-            if is_another or not is_near(current.goals[-1], goal, _SAME_GOAL):
+            if is_another or not is_near(current.goals[-1], goal, SAME_GOAL):
                 current.goals.append(tuple(goal))
         self._iteration_of[command_id] = [loop.current for loop in loops]
 
@@ -244,7 +192,7 @@ class RunWatch:
             return None
         return max(quiet_ns, self.last_event_ns)
 
-    def _innermost_of_main(self) -> _Loop | None:
+    def _innermost_of_main(self) -> Loop | None:
         main = self._main()
         if main is None:
             return None
@@ -281,7 +229,7 @@ class RunWatch:
             self._spin, self._spin_ns = wait, self._scheduler.now_ns
         return True
 
-    def _close(self, loop: _Loop, now_ns: int) -> None:
+    def _close(self, loop: Loop, now_ns: int) -> None:
         """Close an iteration that commanded something, and end the run at the third cycle.
 
         What is commanded again and again and never arrives, replaced by the next say, is no cycle:
@@ -290,12 +238,12 @@ class RunWatch:
         loop.past.append(loop.current)
         loop.quiet_ns = now_ns
         # Beside the first of them: what creeps on differs little from the one before.
-        if not _is_same_cycle(loop.past[-1:], loop.past[loop.same_from : loop.same_from + 1]):
+        if not is_same_cycle(loop.past[-1:], loop.past[loop.same_from : loop.same_from + 1]):
             loop.same_from = loop.current.number
-        _follow(loop)
+        follow(loop)
         if self._scheduler.over is not None or self._is_expecting:
             return
-        pair = _cycle_start(loop.past, loop.reached)
+        pair = cycle_start(loop.past, loop.reached)
         if pair is not None:
             start, seen = pair
             self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns, seen=seen)
@@ -309,7 +257,7 @@ class RunWatch:
             self._scheduler.end(
                 "idle",
                 f"nothing but the same was commanded in {lasting_s:.0f} s of a loop without an "
-                f"end, and {_ends_of(loop)}",
+                f"end, and {ends_of(loop)}",
                 loop.place,
             )
         elif self._cuts_streams and self._goes_on_and_on(loop, now_ns):
@@ -321,99 +269,17 @@ class RunWatch:
                 loop.place,
             )
 
-    def _goes_on_and_on(self, loop: _Loop, now_ns: int) -> bool:
+    def _goes_on_and_on(self, loop: Loop, now_ns: int) -> bool:
         """Return whether a loop has given very many set points, and led nowhere else for long."""
         count = len(loop.past) - loop.stream_from
         if count < _MOST_SET_POINTS or 2 * (loop.led_on - loop.stream_from) > count:
             return False
         return now_ns - loop.past[loop.stream_from].start_ns >= self.idle_s / 3 * 1e9
 
-    def _never_arrives(self, loop: _Loop, now_ns: int) -> bool:
+    def _never_arrives(self, loop: Loop, now_ns: int) -> bool:
         """Return whether a loop has long commanded the same, and none of it has arrived."""
         count = len(loop.past) - loop.same_from
         if count < CYCLES_SEEN or (loop.reached and loop.reached[-1] >= loop.same_from):
             return False
         lasting_s = (now_ns - loop.past[loop.same_from].start_ns) * 1e-9
         return lasting_s >= (self.idle_s if count < _MANY_THE_SAME else self.idle_s / 3)
-
-
-def _follow(loop: _Loop) -> None:
-    """Note where the iteration that was closed leads, as one of a stream by the same ways."""
-    values = [value for goal in loop.current.goals for value in goal]
-    is_same = _has_same_ways(loop.past[-1:], loop.past[-2:-1])
-    if not is_same or len(values) != len(loop.range):
-        loop.stream_from = loop.led_on = loop.current.number
-        loop.range = [(value, value) for value in values]
-        return
-    for index, value in enumerate(values):
-        least, greatest = loop.range[index]
-        if not least - _SAME_GOAL <= value <= greatest + _SAME_GOAL:
-            loop.led_on = loop.current.number
-            loop.range[index] = (min(least, value), max(greatest, value))
-
-
-def _ends_of(loop: _Loop) -> str:
-    """Return in words how the latest commands of a loop ended, which are all the same.
-
-    Whether the arm came to its goal is not said: who commands the same before the time is over
-    comes nearer each time.
-    """
-    if any(iteration.has_failed for iteration in loop.past[loop.same_from :]):
-        return "none arrived"
-    return "each was replaced by the next one before its time was over"
-
-
-def _cycle_start(past: Sequence[_Iteration], reached: Sequence[int]) -> tuple[int, int] | None:
-    """Return where in the iterations the last equal cycles begin and how many, if enough are.
-
-    A goal must have been reached in each: `reached` are the indices of those. Cycles of the same
-    ways that lead elsewhere each time, to places drawn at random say, are taken as equal when very
-    many of them have come.
-    """
-    # Asked at each iteration of a loop that may do nothing else: the quick checks come first.
-    if len(reached) < CYCLES_SEEN:
-        return None
-    for length in range(1, min(len(past) // CYCLES_SEEN, _LONGEST_CYCLE) + 1):
-        for seen, is_same in ((CYCLES_SEEN, _is_same_cycle), (_CYCLES_ELSEWHERE, _has_same_ways)):
-            start = len(past) - seen * length
-            if start < 0:
-                continue
-            at = range(start, len(past), length)
-            if any(
-                bisect(reached, number - 1) == bisect(reached, number + length - 1) for number in at
-            ):
-                continue
-            cycles = [past[number : number + length] for number in at]
-            if all(is_same(cycle, cycles[0]) for cycle in cycles[1:]) and not _leads_on(cycles):
-                return start, seen
-    return None
-
-
-def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
-    return [iteration.ways for iteration in cycle] == [iteration.ways for iteration in other]
-
-
-def _leads_on(cycles: Sequence[Sequence[_Iteration]]) -> bool:
-    """Return whether a joint goes on by one step from cycle to cycle: such a ramp has an end."""
-    goals = [
-        [value for iteration in cycle for goal in iteration.goals for value in goal]
-        for cycle in cycles
-    ]
-    if len({len(values) for values in goals}) != 1:
-        return False
-    for values in zip(*goals, strict=True):
-        first, *others = (after - before for before, after in pairwise(values))
-        within = _STEP_SPREAD * abs(first)
-        if abs(first) > _LEAST_STEP and all(abs(step - first) <= within for step in others):
-            return True
-    return False
-
-
-def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
-    if len(cycle) != len(other):
-        return False
-    return _has_same_ways(cycle, other) and all(
-        len(one.goals) == len(two.goals)
-        and all(is_near(*goals, _SAME_GOAL) for goals in zip(one.goals, two.goals, strict=True))
-        for one, two in zip(cycle, other, strict=True)
-    )

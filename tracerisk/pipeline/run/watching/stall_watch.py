@@ -12,7 +12,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.pipeline.run.needs.unmet_needs import UnmetNeeds
-from tracerisk.pipeline.run.run_watch import RunWatch
+from tracerisk.pipeline.run.watching.run_watch import RunWatch
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.thread import ControllerThread
 from tracerisk.ros.time.scheduler import Scheduler

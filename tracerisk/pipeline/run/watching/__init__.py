@@ -1,0 +1,1 @@
+"""Ends a run that repeats itself, only idles, or stands still."""
