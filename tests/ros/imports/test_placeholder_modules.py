@@ -158,3 +158,35 @@ def test_a_placeholder_that_nobody_confirmed_or_needed_is_reported(example):
     found = [each["message"] for each in ran.json["trace"]["findings"]]
     assert any("no placeholder was needed for module other" in each for each in found)
     assert not any("absent_library" in each for each in found)
+
+
+@pytest.mark.parametrize(
+    ("part", "given"),
+    [
+        (slice(1, 4), POSTURE),  # of a chain with a fixed link before three joints
+        (slice(2, 5), POSTURE),
+        (slice(1, -1), POSTURE),
+        (slice(1, None), POSTURE),
+        (slice(1, 3), POSTURE[1:3]),
+        (slice(None, 2), POSTURE[:2]),
+        (slice(None), POSTURE),
+        (slice(None, None, -1), POSTURE[::-1]),
+    ],
+)
+def test_the_joints_cut_out_of_the_numbers_of_a_chain_are_the_posture(absent, part, given):
+    assert absent.chain.Chain.from_urdf_file("a.urdf").inverse_kinematics([1, 2, 3])[part] == [
+        *given
+    ]
+
+
+def test_what_a_loop_takes_out_of_a_placeholder_is_a_number_that_has_attributes(absent):
+    for index, link in enumerate(absent.chain.links):
+        link.is_kinematic = index > 0
+        assert link == POSTURE[index]
+        assert link.is_kinematic == (index > 0)
+        assert is_named(link.name)
+        assert not hasattr(link, "shape")
+
+
+def is_named(name) -> bool:
+    return "links" in repr(name)

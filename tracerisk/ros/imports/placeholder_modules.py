@@ -20,6 +20,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+_OF_COLLECTIONS = frozenset(
+    {"append", "cpu", "dtype", "items", "item", "keys", "ndim", "numpy", "shape", "size", "tolist"}
+)
+"""By these attributes programs ask whether something is a number or more than one."""
 _MOST_CALLS = 10_000  # at one instant: who asks so often waits for an answer that never comes
 
 
@@ -61,6 +65,19 @@ class Placeholder:
     def _numbers(self) -> list[float]:
         return list(self._placeholder[1].posture())
 
+    def _part(self, part: slice) -> list[float]:
+        """Return a part of the numbers, and all where those of the joints are cut out of more.
+
+        What solves a chain has a number for each link as well, the fixed ones before and behind
+        the joints: `solution[1:7]` and `solution[1:-1]` are six joints.
+        """
+        numbers = self._numbers()
+        start, stop = part.start, part.stop
+        if part.step is not None or not isinstance(start, int) or start < 1:
+            return numbers[part]
+        is_open = stop is None or (isinstance(stop, int) and stop < 0)
+        return numbers if is_open or stop - start == len(numbers) else numbers[part]
+
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
@@ -93,7 +110,9 @@ class Placeholder:
 
     def __getitem__(self, key: Any) -> Any:
         is_index = hasattr(key, "__index__") and not isinstance(key, Placeholder)
-        if is_index or isinstance(key, slice):
+        if isinstance(key, slice):
+            return self._part(key)
+        if is_index:
             return self._numbers()[key]
         return Placeholder(f"{self._placeholder[0]}[]", self._placeholder[1])
 
@@ -105,7 +124,8 @@ class Placeholder:
             object.__setattr__(self, name, value)
 
     def __iter__(self) -> Iterator[float]:
-        return iter(self._numbers())
+        name, values = self._placeholder
+        return (_Item.of(number, f"{name}[]", values) for number in self._numbers())
 
     def __len__(self) -> int:
         return len(self._numbers())
@@ -171,6 +191,24 @@ class Placeholder:
 
     def __repr__(self) -> str:
         return f"<a placeholder for {self._placeholder[0]}>"
+
+
+class _Item(float):
+    """A number of a placeholder, which may as well be a thing that has attributes."""
+
+    _named: tuple[str, PlaceholderValues]
+
+    @classmethod
+    def of(cls, number: float, name: str, values: PlaceholderValues) -> Self:
+        item = cls(number)
+        item._named = name, values
+        return item
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name in _OF_COLLECTIONS:
+            raise AttributeError(name)
+        owner, values = self._named
+        return _of(f"{owner}.{name}", values)
 
 
 def _of(name: str, values: PlaceholderValues) -> Any:
