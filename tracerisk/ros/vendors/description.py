@@ -192,6 +192,10 @@ class Case:
     """Why the driver reports success and does nothing; else empty."""
     stream: bool = False
     """Whether the targets are set-points, each continuing from the one before."""
+    plan: bool = False
+    """Whether the motion is only planned, for what executes it."""
+    execute: bool = False
+    """Whether the motion that was planned last is carried out."""
     while_moving: WhileMoving | None = None
     """The effect of a new motion during another; `None`: the interface's."""
     wait: Value | None = None

@@ -39,7 +39,7 @@ ALONE = ("parameters", "joints", "trajectories")
 NAMED_JOINTS = ("moves", "note")
 CASE = (
     *(*EFFECTS, "when", "stop", "clear", "set", "note", "need", "refuse"),
-    *("ignore", "stream", "wait", "timeout"),
+    *("ignore", "stream", "plan", "execute", "wait", "timeout"),
 )
 REMEDIES = ("disabled", "in_error", "busy")
 """The outcomes of a motion that is refused, for which a description may say what to do."""

@@ -190,18 +190,26 @@ class _Reader:
             need=entry.string("need", default=""),
             refuse=entry.string("refuse", default=""),
             ignore=entry.string("ignore", default=""),
-            stream=self._streams(entry, effect),
+            stream=self._of_move(entry, "stream", effect, "say what the set-points move"),
+            plan=self._of_move(entry, "plan", effect, "say what is planned"),
+            execute=self._executes(entry, effect),
             while_moving=None if beside else _while_moving(kind, entry),
             wait=self._values.value(entry, "wait") if "wait" in entry else None,
             timeout=self._values.value(entry, "timeout") if "timeout" in entry else None,
             response=self._values.outputs(entry, answer) if answer and not beside else None,
         )
 
-    def _streams(self, entry: YamlMap, effect: str) -> bool:
-        is_stream = entry.boolean("stream", default=False)
-        if is_stream and effect != "move":
-            entry.fail("stream", "stands without 'move'; say what the set-points move")
-        return is_stream
+    def _of_move(self, entry: YamlMap, key: str, effect: str, advice: str) -> bool:
+        is_so = entry.boolean(key, default=False)
+        if is_so and effect != "move":
+            entry.fail(key, f"stands without 'move'; {advice}")
+        return is_so
+
+    def _executes(self, entry: YamlMap, effect: str) -> bool:
+        executes = entry.boolean("execute", default=False)
+        if executes and effect:
+            entry.fail("execute", f"stands beside '{effect}'; make it a case of its own")
+        return executes
 
     def _check_state(self, names: YamlMap, *more: str) -> None:
         allowed = (*self._state, *more)

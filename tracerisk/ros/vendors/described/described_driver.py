@@ -32,6 +32,7 @@ from tracerisk.ros.vendors.described.described_parts import (
     take_rules,
 )
 from tracerisk.ros.vendors.described.motion_queue import Job
+from tracerisk.ros.vendors.described.planned_motion import PlannedMotion
 from tracerisk.ros.vendors.description import Case, Driver, Interface, InterfaceKind, Output
 from tracerisk.ros.vendors.interface_checks import check_interface, types_in_use, unknown_package
 from tracerisk.ros.vendors.message_paths import content_of
@@ -74,6 +75,7 @@ class DescribedDriver(TwinNode):
         self._arms: dict[tuple[str | None, str | None], DescribedArm] = {}
         self._controllers = runtime.client(ControllerStates)
         self._streams = DescribedStreams(self._commands)
+        self._planned = PlannedMotion()
         self._taken: set[tuple[str, str]] = set()
         known = [interface for interface in driver.interfaces if self._types(interface)]
         if driver.origin == "user" and driver.interfaces and not known:
@@ -243,9 +245,15 @@ class DescribedDriver(TwinNode):
             self._queue.stop()
             self._grips.stop()
             self._commands.rest(self._arm(interface, name).motion.joints)
+        arm = self._arm(interface, name)
+        if case.execute:
+            planned = self._planned.begun_at(arm.motion.joints, arm.motion.positions())
+            follow = partial(self._commands.twin.follow, planned)
+            job = Job(kind, stack, follow, on_end, is_goal)
+            self._queue.ask(job, "replace")
+            return Result(), [job]
         if not case.effect:
             return Result(), []
-        arm = self._arm(interface, name)
         if case.effect == "solve":
             with undisturbed(self._scheduler.current):
                 return arm.motions.solve(case, request), []
@@ -267,6 +275,10 @@ class DescribedDriver(TwinNode):
         rule = case.while_moving or interface.while_moving or self._driver.while_moving
         make = arm.motions.move if case.effect == "move" else arm.motions.velocity
         made = make(case, request)
+        if case.plan:
+            with undisturbed(self._scheduler.current):
+                self._planned.keep(made(), arm.motion.positions())
+            return Result(), []
         if rule == "wait" and interface.kind == "services":
             self._wait([], None)
             rule = "replace"
