@@ -17,12 +17,9 @@ from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
 from tracerisk.instrument.marks.caught_exceptions import suppressed_reported
+from tracerisk.instrument.marks.instrumented import TRACER_MODULE, InstrumentedSource
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.instrument.transform import (
-    TRACER_MODULE,
-    InstrumentedSource,
-    compile_instrumented,
-)
+from tracerisk.instrument.transform import compile_instrumented
 
 
 def source_key(file: str, source: bytes) -> str:

@@ -11,34 +11,21 @@ from __future__ import annotations
 
 import ast
 import warnings
-from dataclasses import dataclass
 from types import CodeType
 
-from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.code_positions import compile_with_positions
 from tracerisk.instrument.marks.calls import mark_calls
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.marks.endless_loops import MARKER, mark_endless_loops
+from tracerisk.instrument.marks.instrumented import (
+    DECORATOR,
+    TRACER_MODULE,
+    InstrumentedSource,
+    cannot_instrument,
+)
 from tracerisk.instrument.python_2.meaning import give_meaning
 from tracerisk.instrument.source.python_2 import UNPACKED
 from tracerisk.instrument.source.python_source import parse_source
-
-TRACER_MODULE = "__tracerisk__"
-"""The module from which instrumented code imports its decorator; the loader serves it."""
-DECORATOR = "__tracerisk_traced__"
-"""The name of the decorator in instrumented code; not mangled in classes, hidden from `*`."""
-
-
-@dataclass(frozen=True, slots=True)
-class InstrumentedSource:
-    """A source with the tracer's decorators."""
-
-    file: str
-    """The path from the controller's root, as in every `FunctionRef`."""
-    original: bytes
-    """The bytes on disk."""
-    text: str
-    """The instrumented source, decoded."""
 
 
 def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> CodeType:
@@ -109,13 +96,3 @@ def _place_inserted(node: ast.AST, owner: ast.AST) -> None:
         if "lineno" in item._attributes:
             item.lineno = item.end_lineno = line  # type: ignore[attr-defined]
             item.col_offset = item.end_col_offset = column  # type: ignore[attr-defined]
-
-
-def cannot_instrument(file: str, line: int | None) -> UnsafeRewriteError:
-    """Return the error of a source that libcst reads in another way than Python."""
-    return UnsafeRewriteError(
-        "the source cannot be instrumented with proof that nothing else changes: libcst does not "
-        "read it as Python does; rewrite this statement in a plainer way, or move it to a module "
-        "that commands no motion",
-        Location(file, line),
-    )

@@ -15,7 +15,8 @@ from tracerisk.instrument.marks.calls import MARK
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT
 from tracerisk.instrument.marks.decorators import instrument_source
 from tracerisk.instrument.marks.endless_loops import MARKER
-from tracerisk.instrument.transform import DECORATOR, compile_instrumented
+from tracerisk.instrument.marks.instrumented import DECORATOR
+from tracerisk.instrument.transform import compile_instrumented
 
 IMPORT = "from __tracerisk__ import traced as __tracerisk_traced__"
 

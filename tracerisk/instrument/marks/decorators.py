@@ -10,13 +10,13 @@ import libcst as cst
 
 from tracerisk.instrument.marks.calls import COMPILING_DECORATORS
 from tracerisk.instrument.marks.endless_loops import begin_of_code
-from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
-from tracerisk.instrument.transform import (
+from tracerisk.instrument.marks.instrumented import (
     DECORATOR,
     TRACER_MODULE,
     InstrumentedSource,
     cannot_instrument,
 )
+from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
 
 _WITHOUT_FUNCTIONS = (cst.BaseExpression, cst.SimpleStatementLine, cst.SimpleStatementSuite)
 
