@@ -245,6 +245,8 @@ class DescribedDriver(TwinNode):
             self._queue.stop()
             self._grips.stop()
             self._commands.rest(self._arm(interface, name).motion.joints)
+        if not case.effect and not case.execute:
+            return Result(), []
         arm = self._arm(interface, name)
         if case.execute:
             planned = self._planned.begun_at(arm.motion.joints, arm.motion.positions())
@@ -252,8 +254,6 @@ class DescribedDriver(TwinNode):
             job = Job(kind, stack, follow, on_end, is_goal)
             self._queue.ask(job, "replace")
             return Result(), [job]
-        if not case.effect:
-            return Result(), []
         if case.effect == "solve":
             with undisturbed(self._scheduler.current):
                 return arm.motions.solve(case, request), []
