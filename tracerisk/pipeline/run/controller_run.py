@@ -68,6 +68,8 @@ _LIVE = "tracerisk.pipeline.run.live.child"
 _FIGURES = "module://tracerisk.ros.controller.unseen_windows"
 """The backend of matplotlib in a run, which has no screen."""
 _GRACE_S = 2.0
+_MOST_AHEAD = 200_000
+"""How much of a controller's sources is instrumented before its run [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +236,7 @@ def run_request(
         writes = (str(folder), str(written), *branches, *settings.writable)
         request = replace(request, written=str(written), writable=writes)
     if request.live_speed is None:
-        request = replace(request, instrumented=_instrumented(controller))
+        request = replace(request, instrumented=instrumented_ahead(controller))
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if options.progress is not None:
         options.progress(_STARTING, 0.0)
@@ -243,21 +245,21 @@ def run_request(
     return replace(done, request=asked_for)
 
 
-def _instrumented(controller: Controller) -> dict[str, str]:
+def instrumented_ahead(controller: Controller) -> dict[str, str]:
     """Return the instrumented texts of what the run may compile, so that it needs no libcst.
 
-    What cannot be instrumented is left to the run, which fails where it is imported.
+    What cannot be instrumented is left to the run, which fails where it is imported, and so is a
+    large project, of which a run may import a small part.
     """
     root = controller.root.resolve()
     modules = (path for path in own_modules(controller) if path.is_relative_to(root))
     sources = {file_below(path, root): source_bytes(path) for path in modules}
+    sources.update({**controller.others, controller.file: controller.source})
+    if sum(map(len, sources.values())) > _MOST_AHEAD:
+        return {}
     texts = {}
-    for file, source in {
-        **sources,
-        **controller.others,
-        controller.file: controller.source,
-    }.items():
-        with contextlib.suppress(TraceRiskError):
+    for file, source in sources.items():
+        with contextlib.suppress(TraceRiskError, RecursionError, MemoryError):
             texts[source_key(file, source)] = instrument_source(source, file).text
     return texts
 
