@@ -361,26 +361,20 @@ static void begin_process(bool is_forked)
   put_line(line, (size_t)(to - line));
 }
 
-/* Record something of the process itself: a key, quoted, and a number. */
-static void note_process(const char *key, unsigned number)
-{
-  char line[64];
-  if (!is_on || !has_begun || is_recording) return;
-  is_recording = true;
-  pthread_mutex_lock(&lock);
-  char *to = put(put_number(put(line, "{\"pid\":"), (uint64_t)pid), ",");
-  to = put(put_number(put(to, key), number), "}\n");
-  put_line(line, (size_t)(to - line));
-  pthread_mutex_unlock(&lock);
-  is_recording = false;
-}
-
 #ifdef __GLIBC__
 /* Record the code with which the process ends; one that a signal ends has none. */
 static void note_exit(int code, void *nothing)
 {
+  char line[64];
   (void)nothing;
-  note_process("\"exit\":", code & 255);
+  if (!is_on || !has_begun || is_recording) return;
+  is_recording = true;
+  pthread_mutex_lock(&lock);
+  char *to = put_number(put(line, "{\"pid\":"), (uint64_t)pid);
+  to = put(put_number(put(to, ",\"exit\":"), code & 255), "}\n");
+  put_line(line, (size_t)(to - line));
+  pthread_mutex_unlock(&lock);
+  is_recording = false;
 }
 #endif
 
@@ -570,9 +564,6 @@ static void *found(void **known, const char *name)
 #define ROS1_PUBLISH \
   _ZNK3ros9Publisher7publishERKN5boost8functionIFNS_17SerializedMessageEvEEERS3_
 #define ROS1_START _ZN3ros5startEv
-#define ROS1_SPIN _ZN3ros4spinEv
-#define ROS1_SPIN_BY _ZN3ros4spinERNS_7SpinnerE
-#define ROS1_AWAIT_END _ZN3ros15waitForShutdownEv
 #define ROS1_AWAIT_TIME _ZN3ros4Time12waitForValidERKNS_12WallDurationE
 #define ROS1_CALL                                                                            \
   _ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE
@@ -639,19 +630,6 @@ EXPORT void ROS1_START(void)
   BEHIND(ROS1_START)();
   if (beginning()) BEHIND(ROS1_AWAIT_TIME)(&(struct wall_duration){10, 0});
 }
-
-/* Note that the main thread waits for callbacks alone from now on, or for the end. */
-#define NOTING_SPIN(call)                                  \
-  do {                                                     \
-    bool is_main = syscall(SYS_gettid) == getpid();        \
-    if (is_main) note_process("\"spins\":", 1);            \
-    call;                                                  \
-    if (is_main) note_process("\"spins\":", 0);            \
-  } while (0)
-
-EXPORT void ROS1_SPIN(void) { NOTING_SPIN(BEHIND(ROS1_SPIN)()); }
-EXPORT void ROS1_SPIN_BY(void *spinner) { NOTING_SPIN(BEHIND(ROS1_SPIN_BY)(spinner)); }
-EXPORT void ROS1_AWAIT_END(void) { NOTING_SPIN(BEHIND(ROS1_AWAIT_END)()); }
 
 EXPORT void ROS1_PUBLISH(const struct publisher *const *self, const void *serialize, void *message)
 {

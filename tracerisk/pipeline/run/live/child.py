@@ -229,8 +229,6 @@ class _LiveRun:
                     self._nodes.input_ended()
                 if self._nodes.has_input_ended:
                     self._threads.look_without_input(waits=not session.is_computing)
-                if self._nodes.spins != self._threads.spins_alone:
-                    (self._threads.spun if self._threads.spins_alone else self._threads.spins)()
                 if not session.is_computing:
                     self._nodes.settled()
                 if self._nodes.is_awaited:

@@ -163,12 +163,6 @@ class CompiledCalls:
         ends, self._follower.ends = self._follower.ends, []
         return ends
 
-    @property
-    def spins(self) -> bool:
-        """Whether all main threads of nodes wait for callbacks alone, or the end (ROS 1)."""
-        own = self._follower.own_processes.keys()
-        return bool(own) and all(pid in self._follower.spinning or has_ended(pid) for pid in own)
-
     def ended(self) -> list[tuple[int, str, int | None]]:
         """Return each process of the controller's nodes that is there no more, and its program.
 

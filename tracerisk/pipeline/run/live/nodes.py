@@ -133,11 +133,6 @@ class CompiledNodes:
         self._gone = tuple(pid for pid in sorted(self._ends.processes) if has_ended(pid))
 
     @property
-    def spins(self) -> bool:
-        """Whether all main threads of nodes wait for callbacks alone, or the end (ROS 1)."""
-        return self._calls.spins
-
-    @property
     def is_awaited(self) -> bool:
         """Whether no node is there yet: time begins with the first one."""
         return not self._registered and not self._is_late

@@ -69,11 +69,6 @@ class RemoteThreads:
         """Note that the controller has sent or asked something."""
         self.last_ns = self.now_ns
 
-    @property
-    def spins_alone(self) -> bool:
-        """Whether the main thread waits for callbacks alone."""
-        return self.main.spins_since_ns is not None
-
     def spins(self) -> None:
         """Note that the main thread waits for callbacks alone from now on."""
         self.main.spins_since_ns = self.now_ns
