@@ -112,3 +112,19 @@ def test_what_a_program_goes_on_without_is_told_if_it_is_of_a_robot(example, mod
     assert verdict["kind"] == ("partial" if is_told else "complete")
     words = f"{module.partition('.')[0]} is not here, and the program went on without"
     assert any(words in each["words"] for each in verdict["reasons"]) == is_told
+
+
+def test_what_comes_by_another_path_at_last_is_not_gone_without(example):
+    (example.folder / "lib" / "panda_msgs").mkdir(parents=True)
+    example.write("lib/panda_msgs/__init__.py", "Command = 1\n")
+    example.write(
+        "go.py",
+        "import sys, rospy, moveit_commander\n"
+        "try:\n    from panda_msgs import Command\nexcept ImportError:\n"
+        "    sys.path.append(sys.path[0] + '/lib')\n    from panda_msgs import Command\n"
+        "rospy.init_node('n')\narm = moveit_commander.MoveGroupCommander('panda_arm')\n"
+        "arm.go([0.1, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)\n",
+    )
+    ran = example.run("trace", "go.py", "--robot", "panda", "--json")
+    assert ran.code == 0, ran.err
+    assert "went on without" not in ran.out

@@ -168,6 +168,8 @@ def test_a_placeholder_that_nobody_confirmed_or_needed_is_reported(example):
         (slice(1, -1), POSTURE),
         (slice(1, None), POSTURE),
         (slice(1, 3), POSTURE[1:3]),
+        (slice(2, None), POSTURE[2:]),  # the rest of a pair
+        (slice(2, -1), POSTURE[2:-1]),
         (slice(None, 2), POSTURE[:2]),
         (slice(None), POSTURE),
         (slice(None, None, -1), POSTURE[::-1]),

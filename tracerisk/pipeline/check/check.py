@@ -128,7 +128,9 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     is_whole = all(finding.kind not in ("missing", "orphaned") for finding in findings)
     if is_whole:
         limits_of_model = {} if findings else _limits_of_model(settings)
-        known = {finding.subject.rpartition(".")[0] for finding in findings}
+        known = {
+            finding.subject.rpartition(".")[0] for finding in findings if finding.kind == "moved"
+        }
         findings += (
             finding
             for finding in _of_model(controller, entry, _blocks(sources), limits_of_model)

@@ -45,8 +45,7 @@ def model_findings(
         if has_figures and has_pins(block) and figures.expected_visits[names[ref]] == 0.0:
             message = (
                 f"what is set by hand in the block of {ref.name} counts nothing: no `next` leads "
-                "to it, as the last run did not visit it; remove it, or write it where that is "
-                "done now"
+                "to it; remove it, or write it where that is done now"
             )
             yield CheckFinding("moved", message, block.location or place, ref.name)
     for name, limit in limits.items():

@@ -55,7 +55,9 @@ class Band:
         if self.mean is None:
             return "Their mean hangs on the few greatest of them, and is not known."
         more = self.mean / self.point - 1.0 if self.point > 0.0 else 0.0
-        than = f"{100.0 * abs(more):.2g} % {'above' if more > 0.0 else 'below'} the figure"
+        percent = 100.0 * abs(more)
+        shown = f"{percent:.0f}" if percent >= 100.0 else f"{percent:.2g}"
+        than = f"{shown} % {'above' if more > 0.0 else 'below'} the figure"
         return f"The mean is {self.mean:.1e}{f', {than}' * (abs(more) >= _SEEN)}."
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -70,9 +71,10 @@ class MissingModules:
     def went_without(self, in_vain: Collection[str]) -> Iterator[tuple[str, Location]]:
         """Yield the modules that the program imports where it expects a failure, and where.
 
-        `in_vain` are the top names of those that failed in the run.
+        `in_vain` are the top names of those that failed in the run; one that came at last, by
+        another path, is none.
         """
-        told: set[str] = set()
+        told = {name.partition(".")[0] for name in sys.modules}
         for path in program_files(self.script):
             for node, names in self._statements(path, guarded=True):
                 for name in sorted({name.partition(".")[0] for name in names} - told):

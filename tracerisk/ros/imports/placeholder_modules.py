@@ -75,8 +75,9 @@ class Placeholder:
         start, stop = part.start, part.stop
         if part.step is not None or not isinstance(start, int) or start < 1:
             return numbers[part]
-        is_open = stop is None or (isinstance(stop, int) and stop < 0)
-        return numbers if is_open or stop - start == len(numbers) else numbers[part]
+        is_open = start == 1 and (stop is None or (isinstance(stop, int) and stop < 0))
+        is_whole = isinstance(stop, int) and stop - start == len(numbers)
+        return numbers if is_open or is_whole else numbers[part]
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
