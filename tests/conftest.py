@@ -103,7 +103,8 @@ LONGEST = ("test_benchmarks.py", "test_replay_browser.py")
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Choose the quick cases, and order all as every worker does, whichever folder came first."""
     slow.take_some(items, config.getoption("--share"))
-    for item in items:
+    # Other interpreters have fewer plugins.
+    for item in items if config.pluginmanager.hasplugin("timeout") else ():
         if item.get_closest_marker("slow") is not None:
             item.add_marker(pytest.mark.timeout(SLOW_S))
     items.sort(key=lambda item: (item.path.name not in LONGEST, item.path))
