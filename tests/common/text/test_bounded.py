@@ -152,7 +152,7 @@ READERS_OF_OURS = {
     # Files of /proc and /sys, and of a campaign that is under way.
     *("common/sandbox/kernel/features.py", "common/sandbox/kernel/control_groups.py"),
     *("common/sandbox/fork_server.py", "common/sandbox/limited_process.py"),
-    *("ros/live/process_tree.py", "pipeline/evidence/cell_runs.py"),
+    "pipeline/evidence/cell_runs.py",
     "common/text/bounded.py",
 }
 

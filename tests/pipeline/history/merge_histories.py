@@ -536,11 +536,11 @@ class History:
 
     def _has_moved(self, message: str) -> bool:
         """Return whether the code is such that a value by hand is not for what is done there."""
-        unvisited = re.match(r"what is set by hand in the block of (\w+) counts nothing", message)
+        unvisited = re.match(r"what is set by hand in the block of (\S+) counts nothing", message)
         if unvisited is not None:
             return f"Function:{unvisited[1]}(" not in self.computed_log()
         said = re.match(
-            r"(\w+) is .* in (\w+) for .*, now (\S+)\)(?:, and (.+) took over)?"
+            r"(\w+) is .* in (\S+) for .*, now (\S+)\)(?:, and (.+) took over)?"
             r"(?:.*, and what (.+) did with it)?",
             message,
         )
@@ -549,7 +549,7 @@ class History:
         users = {
             user
             for user, used in re.findall(
-                r"Function:(\w+).*\nActiveComponents:(.*)", self.computed_log()
+                r"Function:(.+)\(\)\nActiveComponents:(.*)", self.computed_log()
             )
             if component in used.split(",")
         }

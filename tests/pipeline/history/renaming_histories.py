@@ -284,7 +284,7 @@ class RenamingHistory(History):
 
     # What the tool does, and what it must not.
 
-    def trace(self) -> Trace:
+    def computed_log(self) -> str:
         parts = {part.name: part for part in self.parts()}
         calls = [name for name in self.calls() if name in parts] or [next(iter(parts))]
         rows = []
@@ -292,8 +292,11 @@ class RenamingHistory(History):
             body = "".join(self.lines_of(parts[name]))
             active = [one for one in COMPONENTS if re.search(rf"\b{one} ?\(", body)]
             rows.append(f"Function:{name}()\nActiveComponents:{','.join(active)}")
-        log = "\n".join([*rows, "", "CallSequence:" + ",".join(f"{one}()" for one in calls)])
-        trace = read_log(log, "run.log", controller=self.script)
+        return "\n".join([*rows, "", "CallSequence:" + ",".join(f"{one}()" for one in calls)])
+
+    def trace(self) -> Trace:
+        parts = {part.name: part for part in self.parts()}
+        trace = read_log(self.computed_log(), "run.log", controller=self.script)
         return replace(
             trace,
             functions=tuple(

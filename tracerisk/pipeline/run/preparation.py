@@ -11,7 +11,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.vendors.driver_search import shipped_drivers
 from tracerisk.twin.physics.scene import load_scene, scene_names
 
-_EVERY_RUN = ("dm_control.mujoco", "tracerisk.instrument.marks.decorators", "numpy.random")
+_EVERY_RUN = ("dm_control.mujoco", "numpy.random")
 _MESSAGES = "moveit_msgs"
 """The package whose definitions most runs read: they are parsed once."""
 _LIBRARIES = ("actionlib", "moveit_commander", "rclpy", "rospy")
