@@ -105,5 +105,6 @@ def test_a_first_message_is_due_to_a_controller_that_listens(known, sent, first_
         _entry=SimpleNamespace(after=1.0),
         _sent=sent,
         _first_ns=first_ns,
+        _is_for_each=True,
     )
     assert ScenarioTopic.first_ns.fget(topic) == wanted_ns
