@@ -288,6 +288,18 @@ def half_in_use(exposure):
         exposure[key] /= 2.0
 
 
+def with_smaller_exposures(project, smaller):
+    """Change the exposures of the kept trace; return its file, and what that held before."""
+    (cached,) = (project.folder / ".tracerisk_cache").glob("*.json")
+    honest = cached.read_bytes()
+    trace = json.loads(honest)
+    for visit in trace["visits"]:
+        for exposure in visit["exposures"].values():
+            smaller(exposure)
+    cached.write_text(json.dumps(trace))
+    return cached, honest
+
+
 @pytest.mark.slow(but=1)
 @pytest.mark.parametrize("smaller", [without_wear, without_starts, half_in_use])
 def test_no_values_come_from_a_kept_trace_that_is_not_the_one_of_the_lock(project, smaller):
@@ -296,13 +308,7 @@ def test_no_values_come_from_a_kept_trace_that_is_not_the_one_of_the_lock(projec
     project.write("arm.yaml", hardware % "1e-7")
     project.write("pyproject.toml", '[tool.tracerisk]\nhardware = "arm.yaml"\n')
     assert project.run("run", "c.py", "-q", "--discard-edits").code == 0
-    (cached,) = (project.folder / ".tracerisk_cache").glob("*.json")
-    honest = cached.read_bytes()
-    trace = json.loads(honest)
-    for visit in trace["visits"]:
-        for exposure in visit["exposures"].values():
-            smaller(exposure)
-    cached.write_text(json.dumps(trace))
+    cached, honest = with_smaller_exposures(project, smaller)
     project.write("arm.yaml", hardware % "2e-7")
     outcome = project.run("refresh")
     assert outcome.code == 0, outcome.err
@@ -312,13 +318,7 @@ def test_no_values_come_from_a_kept_trace_that_is_not_the_one_of_the_lock(projec
 
 
 def test_a_refresh_with_nothing_to_mend_runs_anew_what_is_not_the_run_of_the_lock(project):
-    (cached,) = (project.folder / ".tracerisk_cache").glob("*.json")
-    honest = cached.read_bytes()
-    trace = json.loads(honest)
-    for visit in trace["visits"]:
-        for exposure in visit["exposures"].values():
-            half_in_use(exposure)
-    cached.write_text(json.dumps(trace))
+    cached, honest = with_smaller_exposures(project, half_in_use)
     outcome = project.run("refresh")
     assert outcome.code == 0, outcome.err
     assert "the trace kept here is not the one of tracerisk.lock" in outcome.err
