@@ -33,13 +33,13 @@ def instrument_source(source: bytes, file: str) -> InstrumentedSource:
     inserter = _DecoratorInserter(parsed)
     try:
         module = _read(parsed).visit(inserter)
+        if inserter.has_decorated:
+            body = list(module.body)
+            body.insert(_import_index(parsed.tree, body), _import_line())
+            module = module.with_changes(body=body)
+        return InstrumentedSource(file, source, module.code)
     except (cst.ParserSyntaxError, RecursionError) as error:
         raise cannot_instrument(file, getattr(error, "raw_line", None)) from error
-    if inserter.has_decorated:
-        body = list(module.body)
-        body.insert(_import_index(parsed.tree, body), _import_line())
-        module = module.with_changes(body=body)
-    return InstrumentedSource(file, source, module.code)
 
 
 def _read(parsed: ParsedSource) -> cst.Module:

@@ -259,7 +259,7 @@ def instrumented_ahead(controller: Controller) -> dict[str, str]:
         return {}
     texts = {}
     for file, source in sources.items():
-        with contextlib.suppress(TraceRiskError, RecursionError, MemoryError):
+        with contextlib.suppress(TraceRiskError):
             texts[source_key(file, source)] = instrument_source(source, file).text
     return texts
 
