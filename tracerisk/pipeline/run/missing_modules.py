@@ -75,7 +75,8 @@ class MissingModules:
         another path, is none.
         """
         told = {name.partition(".")[0] for name in sys.modules}
-        for path in program_files(self.script):
+        # Most runs miss nothing: their files are not read again.
+        for path in program_files(self.script) if in_vain else ():
             for node, names in self._statements(path, guarded=True):
                 for name in sorted({name.partition(".")[0] for name in names} - told):
                     if name in in_vain:
