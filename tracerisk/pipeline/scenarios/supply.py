@@ -174,7 +174,7 @@ class Supply:
     def _is_left_to_others(self, draft: Draft) -> bool:
         """Return whether a node of the workspace provides it, which may be started for it.
 
-        Only once: what is asked for again, though the node runs beside, is drafted.
+        Only once: if the controller lacks it again with that node beside it, it is drafted.
         """
         is_theirs = draft.section in _OF_NODES and self._settings.companions
         if not is_theirs or draft.need in self._left:

@@ -170,8 +170,8 @@ def shape_of(place: Location | None, call: str) -> tuple[Shape, tuple[str, ...]]
             return "joints", ()
         for loop in ast.walk(tree):
             if isinstance(loop, ast.For | ast.comprehension) and _goes_through(loop.iter, is_it):
-                each = {item.id for item in ast.walk(loop.target) if isinstance(item, ast.Name)}
-                to_joints = any(dotted_name(one.args[0]) in each for one in taken)
+                names = {item.id for item in ast.walk(loop.target) if isinstance(item, ast.Name)}
+                to_joints = any(dotted_name(one.args[0]) in names for one in taken)
                 return ("list of joints" if to_joints else "list"), ()
     return "", ()
 

@@ -157,6 +157,10 @@ class GivingWay:
     """Why each of these cannot: it is no Python, or needs a library that nobody has."""
 
 
+NO_PYTHON = "is no Python"
+"""Why a copy cannot run that nothing reads; another copy needs a library that nobody has."""
+
+
 def giving_way(packages: Mapping[str, Path]) -> GivingWay:
     """Return which stand-ins give way in a workspace.
 
@@ -181,7 +185,7 @@ def _why_not(package: Path, packages: Collection[str]) -> str:
     """
     trees = [parsed(file_bytes(file)) for file in sorted(package.glob("*.py"))]
     if None in trees:
-        return "is no Python"
+        return NO_PYTHON
     tops = {name.partition(".")[0] for tree in trees if tree is not None for name in _needs(tree)}
     absent = sorted(
         name

@@ -11,7 +11,12 @@ import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from tracerisk.common.sandbox.kernel.features import descendants, kernel_line, stat_fields
+from tracerisk.common.sandbox.kernel.features import (
+    descendants,
+    kernel_line,
+    processes,
+    stat_fields,
+)
 from tracerisk.ros.live.real_ros import end_process
 
 _LOOK_S = 0.02
@@ -111,7 +116,7 @@ class ProcessTree:
 
     def _look(self) -> None:
         self._seen_at = time.monotonic()
-        there = {int(name) for name in os.listdir("/proc") if name.isdecimal()}  # noqa: PTH208
+        there = set(processes())
         pids: Iterable[int] = self._seen
         # To ask every process of the machine for its parent takes long. A stranger becomes none of
         # ours, but its number may be given to one of ours.

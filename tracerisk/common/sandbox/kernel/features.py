@@ -118,14 +118,19 @@ def kernel_line(path: str) -> bytes:
         os.close(descriptor)
 
 
+def processes() -> list[int]:
+    """Return the numbers of the processes of the machine."""
+    names = os.listdir("/proc")  # noqa: PTH208 - looked at often
+    return [int(name) for name in names if name.isdecimal()]
+
+
 def descendants(top: int, but: Collection[int] = ()) -> list[int]:
     """Return the processes that descend from one, sorted; `but` and theirs are left out."""
     children: dict[int, list[int]] = {}
-    for name in os.listdir("/proc"):  # noqa: PTH208 - looked at often
-        if name.isdecimal():
-            with contextlib.suppress(OSError, ValueError, IndexError):
-                parent = int(stat_fields(f"/proc/{name}")[1])
-                children.setdefault(parent, []).append(int(name))
+    for pid in processes():
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            parent = int(stat_fields(f"/proc/{pid}")[1])
+            children.setdefault(parent, []).append(pid)
     waiting, pids = [top], []
     while waiting:
         inner = [pid for pid in children.get(waiting.pop(), ()) if pid not in but]

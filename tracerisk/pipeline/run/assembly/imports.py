@@ -32,7 +32,7 @@ from tracerisk.ros.imports.placeholder_modules import (
     PlaceholderFinder,
     PlaceholderValues,
 )
-from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
+from tracerisk.ros.imports.vendor_libraries import NO_PYTHON, VENDOR_LIBRARIES, giving_way
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ def build_imports(
             f"{name} of the workspace {ways.why[name]}; tracerisk's stand-in for it runs instead"
         )
         # Its author may have changed what he has a copy of.
-        is_other = "needs" in ways.why[name]
+        is_other = ways.why[name] != NO_PYTHON
         kind = "assumed_setting" if is_other else "removed_name"
         recorder.finding(kind, words, Location(str(folder)), object_name=name)
     stand_ins = StandInFinder(graph.interfaces, ways.names)

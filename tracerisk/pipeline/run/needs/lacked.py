@@ -32,7 +32,7 @@ class Lacked:
     runtime: Runtime
     """The ROS graph and the scheduler of the run."""
     interfaces: Any
-    """Makes the message classes of what is asked for."""
+    """Makes the message classes of topics, services and actions."""
     values: UsableValues
     """The values of the robot: what moves its arm needs no scenario."""
     named: tuple[Missed, ...] = field(default=(), init=False)
