@@ -21,6 +21,7 @@ from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.messages import RecordingFile
 from tracerisk.twin.recording.samples import SampleHeader, Samples
 from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Joint
 
 Array = NDArray[np.float64]
 Times = NDArray[np.int64]
@@ -80,27 +81,10 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
     Raises LogError where the recording has none of this robot, its clock jumps back, or it holds
     no velocity.
     """
-    unit, encoder_step = declared.effort_unit, declared.encoder_step
     tables = _read(file, declared.joint_states)
     main, names = _own_topic(file, robot, tables)
-    joints: dict[str, _Joint] = {}
-    for joint in robot.joints:
-        other = tables[main].get(names.get(joint.name, joint.name))
-        others = (table[joint.name] for table in tables.values() if joint.name in table)
-        other = other or next(others, None)
-        if other is not None:
-            joints[joint.name] = other
-    lost, assumptions = [], []
-    renamed = {ours: theirs for ours, theirs in names.items() if ours != theirs}
-    if renamed:
-        ours, theirs = next(iter(renamed.items()))
-        assumptions.append(f"joints: '{theirs}' is {ours} of {robot.name}, the others likewise")
-    extra = sorted(set(tables[main]) - set(names.values()) - set(joints))
-    if extra:
-        lost.append(f"joints that {robot.name} has not are passed over: {', '.join(extra[:8])}")
-    missing = [item.name for item in robot.joints if item.name not in joints]
-    if missing:
-        lost.append(f"joints without a recorded state: {', '.join(missing)}")
+    joints = _joints_of(robot, tables, main, names)
+    assumptions, lost = _unlike_names(robot, tables[main], names, joints)
     times = {name: _times(file, main, item) for name, item in joints.items()}
     arm = [arm_joint.name for arm_joint in robot.arm_joints]
     begin = max(int(times[name][1][0]) for name in arm)
@@ -116,59 +100,142 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
             "it into missions",
             file.place,
         )
-    grid = np.arange(begin, end + 1, STEP_NS, dtype=np.int64)
-    shape = (len(grid), len(joints))
-    position, velocity, torque = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    has_effort: set[str] = set()
-    derived: list[str] = []
-    gaps = 0
+    steps = _Steps(file, declared, np.arange(begin, end + 1, STEP_NS, dtype=np.int64), len(joints))
     # A driver that measures none fills in zeros.
     is_given = any(np.frombuffer(item.effort, dtype=np.float64).any() for item in joints.values())
     for column, (name, item) in enumerate(joints.items()):
         order, when = times[name]
-        joint = robot.joint(name)
-        at = (grid - begin) / _SECOND_NS
         known_at = (when - begin) / _SECOND_NS
-        places = np.frombuffer(item.position, dtype=np.float64)[order]
-        position[:, column] = np.interp(at, known_at, places)
-        speeds = np.frombuffer(item.velocity, dtype=np.float64)[order]
-        silent = _gaps(known_at, at)
-        if _is_measured(speeds, places):
-            velocity[:, column] = np.interp(at, known_at, speeds)
-        elif encoder_step is not None:
-            velocity[:, column] = _differentiated(position[:, column], encoder_step)
-            derived.append(name)
-        elif name in arm:
-            raise LogError(_no_velocity(name, speeds), file.place)
-        else:
-            lost.append(f"motion of {name}: its velocity is not recorded")
-        velocity[silent, column] = 0.0
-        gaps = max(gaps, int(np.count_nonzero(silent)))
-        efforts = np.frombuffer(item.effort, dtype=np.float64)[order]
-        if unit is not None and is_given and np.isfinite(efforts).all():
-            factor = unit.factor(joint)
-            most = float(np.abs(efforts).max()) * factor
-            if most > _TOO_MUCH * joint.torque_limit:
-                raise LogError(
-                    f"the effort of {name} reaches {most:.4g} in N m (N), "
-                    f"{most / joint.torque_limit:.3g} times its limit of {joint.torque_limit:g}: "
-                    f"--effort-unit {unit.text} is not its unit",
-                    file.place,
-                )
-            torque[:, column] = np.interp(at, known_at, efforts) * factor
-            has_effort.add(name)
-    if gaps:
-        seconds = gaps * STEP_NS / _SECOND_NS
-        lost.append(f"{seconds:.3g} s without joint states: no motion is counted in them")
-    if derived and encoder_step is not None:
-        assumptions.append(
-            f"velocity: derived from positions with an encoder step of {encoder_step:g} of "
-            f"{', '.join(derived)}; slower than {encoder_step / _WINDOW_S:.3g}/s is not seen"
-        )
-    zeros = np.zeros((len(grid), 0))
+        steps.add_motion(column, name, item, order, known_at, is_of_arm=name in arm)
+        if is_given:
+            steps.add_effort(column, robot.joint(name), item, order, known_at)
     header = SampleHeader(robot.name, "", STEP_NS, (), tuple(joints), (), 0)
-    samples = Samples(header, zeros, position, velocity, torque, zeros, np.zeros((0, 0)))
-    return JointStates(samples, begin, frozenset(has_effort), tuple(assumptions), tuple(lost))
+    zeros = np.zeros((len(steps.at), 0))
+    samples = Samples(
+        header, zeros, steps.position, steps.velocity, steps.torque, zeros, np.zeros((0, 0))
+    )
+    assumptions += steps.assumptions()
+    lost += steps.lost()
+    return JointStates(samples, begin, frozenset(steps.has_effort), tuple(assumptions), tuple(lost))
+
+
+def _joints_of(
+    robot: Robot,
+    tables: Mapping[str, Mapping[str, _Joint]],
+    main: str,
+    names: Mapping[str, str],
+) -> dict[str, _Joint]:
+    """Return the recorded joints of the robot, of its arm's topic where that has them."""
+    joints = {}
+    for joint in robot.joints:
+        other = tables[main].get(names.get(joint.name, joint.name))
+        others = (table[joint.name] for table in tables.values() if joint.name in table)
+        other = other or next(others, None)
+        if other is not None:
+            joints[joint.name] = other
+    return joints
+
+
+def _unlike_names(
+    robot: Robot,
+    recorded: Mapping[str, _Joint],
+    names: Mapping[str, str],
+    joints: Mapping[str, _Joint],
+) -> tuple[list[str], list[str]]:
+    """Return what is assumed of the names of joints, and which joints are lost."""
+    assumptions, lost = [], []
+    renamed = {ours: theirs for ours, theirs in names.items() if ours != theirs}
+    if renamed:
+        ours, theirs = next(iter(renamed.items()))
+        assumptions.append(f"joints: '{theirs}' is {ours} of {robot.name}, the others likewise")
+    extra = sorted(set(recorded) - set(names.values()) - set(joints))
+    if extra:
+        lost.append(f"joints unknown to {robot.name} are passed over: {', '.join(extra[:8])}")
+    missing = [item.name for item in robot.joints if item.name not in joints]
+    if missing:
+        lost.append(f"joints without a recorded state: {', '.join(missing)}")
+    return assumptions, lost
+
+
+class _Steps:
+    """The joint states at steps of equal length, one joint a column."""
+
+    def __init__(self, file: RecordingFile, declared: Declared, grid: Times, n_joints: int) -> None:
+        self._file = file
+        self._declared = declared
+        self.at = (grid - grid[0]) / _SECOND_NS
+        shape = (len(grid), n_joints)
+        self.position, self.velocity, self.torque = (np.zeros(shape) for _ in range(3))
+        self.has_effort: set[str] = set()
+        self._derived: list[str] = []
+        self._unmoved: list[str] = []
+        self._gaps = 0
+
+    def add_motion(
+        self,
+        column: int,
+        name: str,
+        joint: _Joint,
+        order: Times,
+        known_at: Array,
+        *,
+        is_of_arm: bool,
+    ) -> None:
+        """Interpolate positions and velocities of a joint, known at times [s]."""
+        encoder_step = self._declared.encoder_step
+        places = np.frombuffer(joint.position, dtype=np.float64)[order]
+        self.position[:, column] = np.interp(self.at, known_at, places)
+        speeds = np.frombuffer(joint.velocity, dtype=np.float64)[order]
+        if _is_measured(speeds, places):
+            self.velocity[:, column] = np.interp(self.at, known_at, speeds)
+        elif encoder_step is not None:
+            self.velocity[:, column] = _differentiated(self.position[:, column], encoder_step)
+            self._derived.append(name)
+        elif is_of_arm:
+            raise LogError(_no_velocity(name, speeds), self._file.place)
+        else:
+            self._unmoved.append(name)
+        silent = _gaps(known_at, self.at)
+        self.velocity[silent, column] = 0.0
+        self._gaps = max(self._gaps, int(np.count_nonzero(silent)))
+
+    def add_effort(
+        self, column: int, joint: Joint, recorded: _Joint, order: Times, known_at: Array
+    ) -> None:
+        """Interpolate the efforts of a joint, if their unit is declared."""
+        unit = self._declared.effort_unit
+        efforts = np.frombuffer(recorded.effort, dtype=np.float64)[order]
+        if unit is None or not np.isfinite(efforts).all():
+            return
+        factor = unit.factor(joint)
+        most = float(np.abs(efforts).max()) * factor
+        if most > _TOO_MUCH * joint.torque_limit:
+            raise LogError(
+                f"the effort of {joint.name} reaches {most:.4g} in N m (N), "
+                f"{most / joint.torque_limit:.3g} times its limit of {joint.torque_limit:g}: "
+                f"--effort-unit {unit.text} is not its unit",
+                self._file.place,
+            )
+        self.torque[:, column] = np.interp(self.at, known_at, efforts) * factor
+        self.has_effort.add(joint.name)
+
+    def assumptions(self) -> list[str]:
+        """Return sentences on what was assumed of the velocities."""
+        step = self._declared.encoder_step
+        if not self._derived or step is None:
+            return []
+        return [
+            f"velocity: derived from positions with an encoder step of {step:g} of "
+            f"{', '.join(self._derived)}; slower than {step / _WINDOW_S:.3g}/s is not seen"
+        ]
+
+    def lost(self) -> list[str]:
+        """Return sentences on what the recording lacks."""
+        lost = [f"motion of {name}: its velocity is not recorded" for name in self._unmoved]
+        if self._gaps:
+            seconds = self._gaps * STEP_NS / _SECOND_NS
+            lost.append(f"{seconds:.3g} s without joint states: no motion is counted in them")
+        return lost
 
 
 def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]]:

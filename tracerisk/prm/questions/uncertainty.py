@@ -28,6 +28,7 @@ from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
+    from tracerisk.prm.hybrid.elements import Parameter
     from tracerisk.prm.numbers.distributions import Samples
     from tracerisk.prm.questions.sampled_mission import FailureSampler
 
@@ -163,69 +164,16 @@ def propagate(
     Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is below
     2.
     """
-    given, groups = {}, groups_of(model)
-    for name, distribution in (distributions or {}).items():
-        for parameter in groups.get(name) or parameters_of(model, name):
-            given[parameter.name] = distribution
-    inputs: dict[str, UncertainInput] = {}
-    lot_of: dict[str, str] = {}
-    # What a component's figure is the sum of: its inputs, and what is certain of it.
-    sums: dict[str, tuple[float, list[str]]] = {}
-    factors: dict[str, list[tuple[str, float]]] = {}
-    shares: dict[str, dict[str, float]] = {}
-    for name, parts in groups.items():
-        value = math.fsum(part.theta for part in parts)
-        own = [given.get(part.name) for part in parts]
-        spreads = (figures or {}).get(name, ()) if own == [None] * len(own) else ()
-        stated = (one or part.distribution for one, part in zip(own, parts, strict=True))
-        known = next((item for item in stated if item is not None), None)
-        if not spreads and known is not None:
-            spreads = (FigureSpread("", 1.0, known),)
-        if not spreads:
-            continue
-        named = {f"{name}: {spread.name}" if spread.name else name: spread for spread in spreads}
-        for key, figure_spread in named.items():
-            point = figure_spread.share if figure_spread.is_factor else figure_spread.share * value
-            inputs[key] = UncertainInput(
-                point, figure_spread.distribution, is_probability=not figure_spread.is_factor
-            )
-            if figure_spread.lot:
-                lot_of[key] = figure_spread.lot
-        summed = {
-            key: figure_spread
-            for key, figure_spread in named.items()
-            if not figure_spread.is_factor
-        }
-        certain = max(
-            0.0, 1.0 - math.fsum(figure_spread.share for figure_spread in summed.values())
-        )
-        sums[name] = (certain * value, list(summed))
-        factors[name] = [
-            (key, figure_spread.share)
-            for key, figure_spread in named.items()
-            if figure_spread.is_factor
-        ]
-        shares[name] = {
-            part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
-        }
-
-    lots = LotDraws(inputs, lot_of)
+    parameters = _UncertainParameters(model, distributions or {}, figures or {})
+    lots = LotDraws(parameters.inputs, parameters.lot_of)
     inputs = lots.inputs
     fated = FateDraws(model, outcomes or {})
 
     def thetas_of(drawn: Mapping[str, Samples]) -> dict[str, Samples]:
-        drawn = lots.with_members(drawn)
-        thetas = {}
-        for name, (certain, keys) in sums.items():
-            total = _at_most_one([drawn[key] for key in keys], certain)
-            for key, usual in factors[name]:
-                total = np.minimum(total * (drawn[key] / usual), 1.0)
-            for part, share in shares[name].items():
-                thetas[part] = total * share if share != 1.0 else total
-        if not thetas:
-            count = len(next(iter(drawn.values())))
-            thetas = {part.name: np.full(count, part.theta) for part in model.parameters[:1]}
-        return thetas
+        if parameters.inputs:
+            return parameters.thetas(lots.with_members(drawn))
+        count = len(next(iter(drawn.values())))
+        return {part.name: np.full(count, part.theta) for part in model.parameters[:1]}
 
     def figure(sampler: FailureSampler) -> Callable[[Mapping[str, Samples]], Samples]:
         return lambda drawn: sampler(thetas_of(drawn), fated.shares(drawn))
@@ -252,6 +200,69 @@ def propagate(
         seed=seed,
     )
     return replace(spread, undetected=unnoticed.percentiles, undetected_inputs=unnoticed.inputs)
+
+
+class _UncertainParameters:
+    """The uncertain inputs of a model, and the parameters that follow from their draws."""
+
+    def __init__(
+        self,
+        model: HybridModel,
+        distributions: Mapping[str, Distribution],
+        figures: Mapping[str, Sequence[FigureSpread]],
+    ) -> None:
+        groups = groups_of(model)
+        given = {
+            parameter.name: distribution
+            for name, distribution in distributions.items()
+            for parameter in groups.get(name) or parameters_of(model, name)
+        }
+        self.inputs: dict[str, UncertainInput] = {}
+        self.lot_of: dict[str, str] = {}
+        # What a component's figure is the sum of: what is certain of it, and its inputs.
+        self._sums: dict[str, tuple[float, list[str]]] = {}
+        self._factors: dict[str, list[tuple[str, float]]] = {}
+        self._shares: dict[str, dict[str, float]] = {}
+        for name, parts in groups.items():
+            own = [given.get(part.name) for part in parts]
+            spreads = figures.get(name, ()) if own == [None] * len(own) else ()
+            stated = (one or part.distribution for one, part in zip(own, parts, strict=True))
+            known = next((item for item in stated if item is not None), None)
+            if not spreads and known is not None:
+                spreads = (FigureSpread("", 1.0, known),)
+            if spreads:
+                self._add(name, parts, spreads)
+
+    def _add(self, name: str, parts: Sequence[Parameter], spreads: Sequence[FigureSpread]) -> None:
+        value = math.fsum(part.theta for part in parts)
+        named = {f"{name}: {spread.name}" if spread.name else name: spread for spread in spreads}
+        for key, spread in named.items():
+            point = spread.share if spread.is_factor else spread.share * value
+            self.inputs[key] = UncertainInput(
+                point, spread.distribution, is_probability=not spread.is_factor
+            )
+            if spread.lot:
+                self.lot_of[key] = spread.lot
+        summed = {key: spread for key, spread in named.items() if not spread.is_factor}
+        certain = max(0.0, 1.0 - math.fsum(spread.share for spread in summed.values()))
+        self._sums[name] = (certain * value, list(summed))
+        self._factors[name] = [
+            (key, spread.share) for key, spread in named.items() if spread.is_factor
+        ]
+        self._shares[name] = {
+            part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
+        }
+
+    def thetas(self, drawn: Mapping[str, Samples]) -> dict[str, Samples]:
+        """Return the parameters, (n,) each, from the draws of the inputs."""
+        thetas = {}
+        for name, (certain, keys) in self._sums.items():
+            total = _at_most_one([drawn[key] for key in keys], certain)
+            for key, usual in self._factors[name]:
+                total = np.minimum(total * (drawn[key] / usual), 1.0)
+            for part, share in self._shares[name].items():
+                thetas[part] = total * share if share != 1.0 else total
+        return thetas
 
 
 def spread_of(
