@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -182,37 +182,23 @@ def annotate_sources(
     if edits:
         return EditsInTheWay(edits)
     merged = _with_digests(_leftover_blocks_last(sources, merged))
-    names = model_names(_by_function(merged)).values()
-    for one in merged.values():
-        check_targets(
-            (block for block in one.blocks.values() if block and is_next_by_hand(block, None)),
-            names,
-        )
-    for source in sources:
-        for function, values in source.instances.items():
-            block = merged[source.file].blocks.get(function)
-            if block is not None:
-                check_redundancies(block, values)
-    changed = []
-    for source in sources:
-        after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
-        if after != source.before:
-            changed.append(AnnotatedSource(source.file, source.before, after))
+    _check_values_by_hand(sources, merged)
+    blocks = {file: source.blocks for file, source in merged.items()}
+    changed = tuple(_annotated(sources, blocks))
     same = entry if is_same_run(entry, fingerprint, behind, policy) else None
     final = ControllerLock(
         fingerprint=fingerprint,
         blocks={
             file: written
-            for file, one in merged.items()
+            for file, by_function in blocks.items()
             # A module of which no block is left is looked at no more.
-            if (written := _written(one.blocks)) or file == controller
+            if (written := _written(by_function)) or file == controller
         },
         trace=trace,
         inputs=inputs or {},
         behind=behind,
         kept=_kept(sources, merged, same, policy),
     )
-    blocks = {file: one.blocks for file, one in merged.items()}
     final = replace(final, owned=owned_values(blocks, entry, _earlier_refs(followed), final))
     pending = replace(
         final,
@@ -222,7 +208,33 @@ def annotate_sources(
     new_lock = lock.with_controller(controller, final)
     if not changed and new_lock.dumps() == lock.dumps():
         return Unchanged(lock)
-    return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
+    return Changed(changed, new_lock, lock.with_controller(controller, pending))
+
+
+def _annotated(
+    sources: Sequence[SourceBlocks],
+    blocks: Mapping[str, Mapping[QualifiedName, RiskBlock | None]],
+) -> Iterator[AnnotatedSource]:
+    """Yield the sources that the blocks change."""
+    for source in sources:
+        after = insert_blocks(source.source, blocks[source.file], source.name, source.lines)
+        if after != source.before:
+            yield AnnotatedSource(source.file, source.before, after)
+
+
+def _check_values_by_hand(
+    sources: Sequence[SourceBlocks], merged: Mapping[str, _MergedSource]
+) -> None:
+    """Raise BlockError where a value by hand names no function, or sums up units that differ."""
+    names = model_names(_by_function(merged)).values()
+    for source in merged.values():
+        by_hand = (block for block in source.blocks.values() if block)
+        check_targets((block for block in by_hand if is_next_by_hand(block, None)), names)
+    for blocks in sources:
+        for function, values in blocks.instances.items():
+            block = merged[blocks.file].blocks.get(function)
+            if block is not None:
+                check_redundancies(block, values)
 
 
 def _earlier_refs(followed: Mapping[str, FollowedSource]) -> dict[FunctionRef, FunctionRef]:

@@ -193,11 +193,10 @@ def annotate(
     if isinstance(outcome, EditsInTheWay):
         raise outcome.error()
     change = outcome if isinstance(outcome, Changed) else None
-    after = {source.file: source.after for source in change.sources} if change is not None else {}
-    sources = {**before, **after}
+    changed = () if change is None else change.sources
     return Annotated(
         controller,
-        sources,
+        {**before, **{source.file: source.after for source in changed}},
         before,
         change,
         lock_path,

@@ -115,22 +115,18 @@ def compute_blocks(
     uses = [function_uses(component_use, visits) for component_use in used]
     shows_in = later_functions({names[ref]: row for ref, row in counts.items()})
     entries = []
-    for component, use in zip(used, uses, strict=True):
-        outcomes = FailureOutcomes(component, known)
-        sections = {ref: outcomes.in_function(visits[ref], names[ref], shows_in) for ref in use}
-        entries.append(_entries(component, use, sections))
+    for use, by_function in zip(used, uses, strict=True):
+        outcomes = FailureOutcomes(use, known)
+        sections = {
+            ref: outcomes.in_function(visits[ref], names[ref], shows_in) for ref in by_function
+        }
+        entries.append(_entries(use, by_function, sections))
     blocks = {}
     exposures = {}
     observed = {}
     for function in trace.functions:
-        ref = function.ref
-        here = [
-            component_use
-            for component_use, entry in zip(used, entries, strict=True)
-            if ref in entry
-        ]
+        ref, name, numbers = function.ref, names[function.ref], visits[function.ref].numbers
         following = computed_next(counts[ref])
-        name = names[ref]
         if profile and name in profile:
             following = pinned_next(profile[name], following.text, name)
         blocks[ref] = RiskBlock(
@@ -140,17 +136,9 @@ def compute_blocks(
             components=tuple(entry[ref] for entry in entries if ref in entry),
             has_evidence=evidence is not None and evidence.evidence.counts,
         )
-        exposures[ref] = {
-            component_use.component.name: seconds
-            for component_use in here
-            if (seconds := _mean_exposure(component_use, visits[ref].numbers)) is not None
-        }
-        observed[ref] = tuple(
-            component_use.component.name
-            for component_use in here
-            if not component_use.component.always_active
-            and any(component_use.is_active[visit] for visit in visits[ref].numbers)
-        )
+        here = [use for use, entry in zip(used, entries, strict=True) if ref in entry]
+        exposures[ref] = _exposures(here, numbers)
+        observed[ref] = _seen_active(here, numbers)
     times = visits_of_mission(trace)
     instances = tuple(
         _with_shares(
@@ -170,6 +158,25 @@ def compute_blocks(
         *((_HOLDING,) if active == "moving" else ()),
     )
     return ComputedBlocks(blocks, exposures, observed, assumed, instances)
+
+
+def _exposures(used: Sequence[ComponentUse], visits: Sequence[int]) -> dict[str, float]:
+    """Return the time for which each component was active in some visits [s], where it is known."""
+    return {
+        component_use.component.name: seconds
+        for component_use in used
+        if (seconds := _mean_exposure(component_use, visits)) is not None
+    }
+
+
+def _seen_active(used: Sequence[ComponentUse], visits: Sequence[int]) -> tuple[str, ...]:
+    """Return the components seen active in some visits, without those that always are."""
+    return tuple(
+        component_use.component.name
+        for component_use in used
+        if not component_use.component.always_active
+        and any(component_use.is_active[visit] for visit in visits)
+    )
 
 
 def _evidence_words(
