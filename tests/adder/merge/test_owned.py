@@ -129,6 +129,16 @@ def test_new_hardware_data_move_nothing(by_hand, pick, place, grasp):
     assert moved.took
 
 
+def test_a_use_that_moved_as_the_data_changed_is_written_once(by_hand, pick, place, grasp):
+    by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
+    by_hand.source += SPLIT
+    parts = pick("grasp", motor=2e-08), place, grasp
+    (moved,) = by_hand.run(*parts, data="e")
+    before = by_hand.lock
+    assert by_hand.run(*parts, data="e", is_new=False) == [moved]
+    assert by_hand.lock == before
+
+
 def test_a_new_reason_or_a_moved_value_ends_it(by_hand, pick, place, grasp):
     by_hand.source += SPLIT
     parts = pick("grasp", motor=2e-08, gripper=4e-08), place, grasp

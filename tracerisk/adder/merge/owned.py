@@ -139,7 +139,8 @@ def _owned(
     kept = kept._replace(uses=_renamed(kept.uses, new_names))
     if kept.data == data:
         return kept
-    if before.fingerprint == final.fingerprint:
+    is_new_data = before.behind.components.get(entry.name, kept.data) == kept.data
+    if is_new_data and before.fingerprint == final.fingerprint:
         # The same run with other data: each use counts by its new figure.
         return kept._replace(uses=_scaled(kept.uses, then, now.uses), data=data)
     is_moved = any(_moves(ref, entry.name, kept, now.uses, frozenset(), only_names=True))
