@@ -139,6 +139,16 @@ def test_a_use_that_moved_as_the_data_changed_is_written_once(by_hand, pick, pla
     assert by_hand.lock == before
 
 
+def test_a_use_that_comes_back_after_the_data_changed_has_not_moved(by_hand, pick, place, grasp):
+    by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
+    by_hand.source += SPLIT
+    elsewhere = pick("grasp", motor=2e-08), place
+    assert by_hand.run(*elsewhere, grasp)
+    assert by_hand.run(*elsewhere, replace(grasp), data="e", is_new=False)
+    by_hand.source = by_hand.source[: by_hand.source.index(b"\n\ndef grasp")] + b"\n"
+    assert by_hand.run(pick(gripper=5e-07, motor=2e-08), place, data="e") == []
+
+
 def test_a_new_reason_or_a_moved_value_ends_it(by_hand, pick, place, grasp):
     by_hand.source += SPLIT
     parts = pick("grasp", motor=2e-08, gripper=4e-08), place, grasp

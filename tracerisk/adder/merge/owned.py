@@ -140,7 +140,8 @@ def _owned(
     if kept.data == data:
         return kept
     is_new_data = before.behind.components.get(entry.name, kept.data) == kept.data
-    if is_new_data and before.fingerprint == final.fingerprint:
+    is_used = ref in _by_ref(then) and ref in _by_ref(now.uses)
+    if is_new_data and is_used and before.fingerprint == final.fingerprint:
         # The same run with other data: each use counts by its new figure.
         return kept._replace(uses=_scaled(kept.uses, then, now.uses), data=data)
     is_moved = any(_moves(ref, entry.name, kept, now.uses, frozenset(), only_names=True))
