@@ -144,7 +144,6 @@ def annotate(
     else:
         trace = with_scopes(controller, trace)
     check_named_functions(controller, settings, trace)
-    lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
     # Another run of tracerisk writes lock and sources in turn; both are read between its writes.
     with one_writer(controller.root):
@@ -166,25 +165,23 @@ def annotate(
     _forbid_shared(key, files, lock, controller)
     policy = replace(policy or MergePolicy(), tolerance=settings.tolerance)
     entry = lock.controllers.get(key)
-    kept = entry.trace if entry is not None and not policy.fresh else None
     behind = _behind(controller, trace, hardware, computed, inputs)
     is_same = is_same_run(entry, inputs.fingerprint, behind, policy)
+    summary = trace_summary(
+        _at_bare_lines(trace, before, controller),
+        computed.instances,
+        kept=entry.trace if entry is not None and not policy.fresh else None,
+        noise=policy.tolerance if is_same else 0.0,
+        tolerances=Tolerances.of(settings),
+        worlds=_same_worlds(entry, inputs.fingerprint),
+    )
+    form = settings.blocks
     outcome: Annotation = annotate_sources(
         key,
-        [
-            _source_blocks(controller, file, before[file], trace, computed, settings.blocks)
-            for file in files
-        ],
+        [_source_blocks(controller, file, before[file], trace, computed, form) for file in files],
         lock,
         fingerprint=inputs.fingerprint,
-        trace=trace_summary(
-            _at_bare_lines(trace, before, controller),
-            computed.instances,
-            kept=kept,
-            noise=policy.tolerance if is_same else 0.0,
-            tolerances=Tolerances.of(settings),
-            worlds=_same_worlds(entry, inputs.fingerprint),
-        ),
+        trace=summary,
         inputs=inputs.data(),
         policy=policy,
         evidence=evidence_for(controller, entry, settings),
@@ -199,7 +196,7 @@ def annotate(
         {**before, **{source.file: source.after for source in changed}},
         before,
         change,
-        lock_path,
+        controller.root / LOCK_NAME,
         computed,
         trace,
         inputs.fingerprint,

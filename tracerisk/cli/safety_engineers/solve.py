@@ -63,14 +63,7 @@ def run(options: argparse.Namespace) -> int:
         _forbid_hardware(options)
         _forbid_undetected(options)
         return solve_model_file(options.files, kind, options)
-    if options.properties or options.property_file is not None:
-        raise InputError("--property goes with chains: PRISM files and .tra files")
-    if options.curve is not None:
-        raise InputError("--curve goes with trees and chains of other tools; leave it out")
-    if options.mission_time_h is not None:
-        raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
-    if options.phase_hours is not None:
-        raise InputError("--phase-hours goes with files of Galileo; leave it out")
+    _forbid_other_models(options)
     if kind is ModelFormat.LINKED and len(options.files) == 1:
         from tracerisk.cli.solving.linked import solve_linked
 
@@ -135,6 +128,18 @@ def run(options: argparse.Namespace) -> int:
             assessment, sweeps, uncertainty, importance=options.importance, pairs=pairs
         )
     return int(code)
+
+
+def _forbid_other_models(options: argparse.Namespace) -> None:
+    """Raise InputError for an option that goes with models of other tools alone."""
+    if options.properties or options.property_file is not None:
+        raise InputError("--property goes with chains: PRISM files and .tra files")
+    if options.curve is not None:
+        raise InputError("--curve goes with trees and chains of other tools; leave it out")
+    if options.mission_time_h is not None:
+        raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
+    if options.phase_hours is not None:
+        raise InputError("--phase-hours goes with files of Galileo; leave it out")
 
 
 def _forbid_undetected(options: argparse.Namespace) -> None:

@@ -208,11 +208,11 @@ class _Lacking:
                 return ""
 
         def included(name: str, symbols: Any) -> Any:
-            for each in files(name, symbols):
-                if each.startswith(f"{ABSENT}/"):
-                    self.includes.setdefault(each.removeprefix(f"{ABSENT}/"))
+            for file in files(name, symbols):
+                if file.startswith(f"{ABSENT}/"):
+                    self.includes.setdefault(file.removeprefix(f"{ABSENT}/"))
                 else:
-                    yield each
+                    yield file
 
         def decided(value: Any, condition: Any) -> Any:
             # What is asked of an argument that nothing gives is answered with no.
@@ -220,17 +220,9 @@ class _Lacking:
             return False if is_empty else boolean(value, condition)
 
         def called(node: Any, macros: Any, symbols: Any) -> Any:
-            name = node.tagName.removeprefix("xacro:")
-            is_known = not node.tagName.startswith("xacro:") or name == "call"
-            if not is_known:
-                try:
-                    xacro.resolve_macro(name, macros, symbols)
-                except KeyError:
-                    pass
-                else:
-                    is_known = True
-            if is_known or not self.packages:
+            if not self.packages or _is_known(node, macros, symbols):
                 return call(node, macros, symbols)
+            name = node.tagName.removeprefix("xacro:")
             node.nodeName = node.tagName = ABSENT_MACRO
             for key, value in list(node.attributes.items()):
                 try:
@@ -266,6 +258,20 @@ class _Lacking:
         substitution_args._eval_find, xacro.get_include_files = found, included
         substitution_args._eval_arg, xacro.handle_macro_call = given, called
         xacro.get_boolean_value, xacro.safe_eval = decided, evaluated
+
+
+def _is_known(node: Any, macros: Any, symbols: Any) -> bool:
+    """Whether an element calls no macro, or one that xacro knows."""
+    from xacrodoc.xacrodoc import xacro
+
+    name = node.tagName.removeprefix("xacro:")
+    if name in (node.tagName, "call"):
+        return True
+    try:
+        xacro.resolve_macro(name, macros, symbols)
+    except KeyError:
+        return False
+    return True
 
 
 class _Reading:

@@ -225,28 +225,10 @@ class DescribedDriver(TwinNode):
 
         `name` is the one under which it was asked for, which may say which arm is meant.
         """
+        result = self._do_at_rest(interface, case, stack, name)
+        if result is not None:
+            return result, []
         kind = short_name(interface)
-        for words, what in (
-            (case.note, "not_simulated"),
-            (case.refuse, "not_simulated"),
-            (case.need, "unprovided"),
-        ):
-            if words:
-                self._commands.report(what, f"{kind}: {words}", stack, object_name=kind)
-        if case.refuse:
-            return Result("not_simulated", case.refuse), []
-        if case.ignore:
-            return self._ignored(interface, case, stack), []
-        if case.clear:
-            self._queue.clear()
-        if case.stop and not case.set:
-            self._commands.stop_came(kind)
-        if case.stop:
-            self._queue.stop()
-            self._grips.stop()
-            self._commands.rest(self._arm(interface, name).motion.joints)
-        if not case.effect and not case.execute:
-            return Result(), []
         arm = self._arm(interface, name)
         if case.execute:
             planned = self._planned.begun_at(arm.motion.joints, arm.motion.positions())
@@ -295,6 +277,32 @@ class DescribedDriver(TwinNode):
         job = Job(kind, stack, start, on_end, is_goal)
         self._queue.ask(job, "queue" if rule == "wait" else rule)
         return Result(), [job]
+
+    def _do_at_rest(
+        self, interface: Interface, case: Case, stack: tuple[Frame, ...], name: str
+    ) -> Result | None:
+        """Report and stop what a case says; return the result where nothing is to move then."""
+        kind = short_name(interface)
+        for words, what in (
+            (case.note, "not_simulated"),
+            (case.refuse, "not_simulated"),
+            (case.need, "unprovided"),
+        ):
+            if words:
+                self._commands.report(what, f"{kind}: {words}", stack, object_name=kind)
+        if case.refuse:
+            return Result("not_simulated", case.refuse)
+        if case.ignore:
+            return self._ignored(interface, case, stack)
+        if case.clear:
+            self._queue.clear()
+        if case.stop and not case.set:
+            self._commands.stop_came(kind)
+        if case.stop:
+            self._queue.stop()
+            self._grips.stop()
+            self._commands.rest(self._arm(interface, name).motion.joints)
+        return None if case.effect or case.execute else Result()
 
     def _ignored(self, interface: Interface, case: Case, stack: tuple[Frame, ...]) -> Result:
         """Report what the driver answers as if it did it; `$name` is a value of its state."""
