@@ -32,7 +32,10 @@ class History:
             fingerprint=str(self.runs),
             trace={},
             policy=MergePolicy(),
-            behind=Behind(components={"gripper": data, "motor": data}),
+            behind=Behind(
+                functions={"c.py": {block.name: "" for block in blocks}},
+                components={"gripper": data, "motor": data},
+            ),
         )
         if isinstance(outcome, Changed):
             self.source = next((one.after for one in outcome.sources), self.source)
@@ -147,6 +150,17 @@ def test_a_use_that_comes_back_after_the_data_changed_has_not_moved(by_hand, pic
     assert by_hand.run(*elsewhere, replace(grasp), data="e", is_new=False)
     by_hand.source = by_hand.source[: by_hand.source.index(b"\n\ndef grasp")] + b"\n"
     assert by_hand.run(pick(gripper=5e-07, motor=2e-08), place, data="e") == []
+
+
+def test_a_value_set_where_nothing_ran_is_for_no_use(pick, place, grasp):
+    history = History()
+    history.run(pick(gripper=1e-07, motor=2e-08), place)
+    history.edit(b"probability = 2e-08", b"probability := 3e-08  ! letter")
+    # What it uses is that of the data which it last ran with.
+    history.run(place, data="e")
+    history.edit(b"probability = 1e-07", b"probability := 3e-07  ! supplier letter")
+    history.run(place, data="e")
+    assert history.run(pick(gripper=5e-07, motor=2e-08), place, data="e") == []
 
 
 def test_a_new_reason_or_a_moved_value_ends_it(by_hand, pick, place, grasp):

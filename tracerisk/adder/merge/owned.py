@@ -132,8 +132,9 @@ def _owned(
     then = _renamed(uses_of(before.blocks, entry.name), new_names)
     kept = before.owned.get(was.file, {}).get(was.name, {}).get(entry.name)
     if kept is None or not kept.is_of(now.value, now.reason):
-        is_known = was.name in before.blocks.get(was.file, {})
-        if not is_known or before.behind.components.get(entry.name, data) != data:
+        # The figures of a function that did not run may be of other data.
+        ran = before.behind.functions or before.blocks
+        if was.name not in ran.get(was.file, {}) or before.behind.components.get(entry.name, data) != data:
             return now
         return now._replace(uses=then)
     kept = kept._replace(uses=_renamed(kept.uses, new_names))
