@@ -194,3 +194,24 @@ def test_a_renamed_function_keeps_its_value_for_the_same_use(by_hand, pick, plac
     assert by_hand.run(take, place) == []
     owned = by_hand.lock.controllers["c.py"].owned["c.py"]
     assert owned["take"]["gripper"].uses == {"c.py": {"take": "1e-07"}}
+
+
+def test_a_lock_that_git_mixed_says_of_each_figure_of_which_data_it_is(by_hand, pick, place):
+    by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
+    written = by_hand.lock.dumps()
+    by_hand.run(pick(gripper=5e-07, motor=2e-08), place, data="e")
+    ours, theirs = (text.decode().splitlines() for text in (written, by_hand.lock.dumps()))
+    # Of two branches that changed a line, one has changed it: git takes whole lines.
+    line = next(number for number, text in enumerate(ours) if '"pick": "1e-07 of d"' in text)
+    mixed = [*theirs[:line], ours[line], *theirs[line + 1 :]]
+    by_hand.lock = loads("\n".join(mixed).encode(), "tracerisk.lock")
+    assert by_hand.run(pick(gripper=5e-07, motor=2e-08), place, data="e", is_new=False) == []
+
+
+def test_a_lock_of_an_earlier_version_says_once_of_which_data_its_figures_are(by_hand, pick, place):
+    by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
+    entry = by_hand.lock.controllers["c.py"].owned["c.py"]["pick"]["gripper"]
+    text = by_hand.lock.dumps().decode().replace(" of d", "")
+    earlier = text.replace('"reason": "supplier', '"data": "d",\n"reason": "supplier')
+    loaded = loads(earlier.encode(), "tracerisk.lock")
+    assert loaded.controllers["c.py"].owned["c.py"]["pick"]["gripper"] == entry

@@ -291,7 +291,7 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
     if entry.owned:
         data["owned"] = {
             file: {
-                name: {component: owned._asdict() for component, owned in row.items()}
+                name: {component: _owned_data(owned) for component, owned in row.items()}
                 for name, row in functions.items()
             }
             for file, functions in entry.owned.items()
@@ -301,6 +301,15 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
     # An entry that a merge has mixed stays so until it is written anew.
     data["digest"] = "" if entry.is_mixed else data_digest(data)
     return data
+
+
+def _owned_data(owned: OwnedValue) -> dict[str, Any]:
+    # A figure stands in one line with the data that it is of: no merge by lines parts them.
+    uses = {
+        file: {name: f"{text} of {owned.data}" for name, text in row.items()}
+        for file, row in owned.uses.items()
+    }
+    return {"value": owned.value, "reason": owned.reason, "uses": uses}
 
 
 def data_digest(data: Mapping[str, Any]) -> str:

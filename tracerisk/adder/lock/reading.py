@@ -211,21 +211,27 @@ class _Reader:
             for name, row in self._mapping(functions, f"{where}: {file}").items():
                 place = f"{where}: {file}: {name}"
                 owned[file][name] = {
-                    component: self._owned_value(held, f"{place}: {component}")
+                    component: self._owned_value(held, file, name, f"{place}: {component}")
                     for component, held in self._mapping(row, place).items()
                 }
         return owned
 
-    def _owned_value(self, value: Any, where: str) -> OwnedValue:
+    def _owned_value(self, value: Any, file: str, function: str, where: str) -> OwnedValue:
         entry = self._mapping(value, where)
         self._known(entry, OwnedValue._fields, where)
-        texts = [str(entry.get(key, "")) for key in ("value", "reason", "data")]
         uses: dict[str, dict[str, str]] = {}
-        for file, row in self._mapping(entry.get("uses"), f"{where}: uses").items():
-            place = f"{where}: {file}"
-            kinds = dict.fromkeys(self._mapping(row, place), PROBABILITY)
-            uses[file] = self._values(row, kinds, place)
-        return OwnedValue(texts[0], texts[1], uses, texts[2])
+        data_of: dict[tuple[str, str], str] = {}
+        for source, row in self._mapping(entry.get("uses"), f"{where}: uses").items():
+            place = f"{where}: {source}"
+            texts = {}
+            for name, text in self._mapping(row, place).items():
+                texts[name], _, data_of[source, name] = str(text).partition(" of ")
+            uses[source] = self._values(texts, dict.fromkeys(texts, PROBABILITY), place)
+        # Only the function's own figure is compared; a merge may have mixed it with others.
+        data = data_of.get((file, function)) or next(iter(data_of.values()), "")
+        # Locks of earlier versions say it once.
+        data = data or str(entry.get("data", ""))
+        return OwnedValue(str(entry.get("value", "")), str(entry.get("reason", "")), uses, data)
 
     def _sources(self, value: Any, where: str) -> dict[str, dict[str, WrittenBlock]]:
         return {

@@ -134,7 +134,10 @@ def _owned(
     if kept is None or not kept.is_of(now.value, now.reason):
         # The figures of a function that did not run may be of other data.
         ran = before.behind.functions or before.blocks
-        if was.name not in ran.get(was.file, {}) or before.behind.components.get(entry.name, data) != data:
+        if (
+            was.name not in ran.get(was.file, {})
+            or before.behind.components.get(entry.name, data) != data
+        ):
             return now
         return now._replace(uses=then)
     kept = kept._replace(uses=_renamed(kept.uses, new_names))
