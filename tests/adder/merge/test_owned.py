@@ -184,6 +184,9 @@ def test_an_omission_is_for_its_function_alone(pick, place, grasp):
     history.source += SPLIT
     (moved,) = history.run(pick("grasp", motor=2e-08), place, grasp)
     assert moved.message.startswith("gripper is omitted in pick for what it did there")
+    # A function that did not run uses nothing, whatever its block says.
+    (moved,) = history.run(place, grasp)
+    assert (moved.computed, [ref.name for ref in moved.took]) == ("", ["grasp"])
 
 
 def test_a_renamed_function_keeps_its_value_for_the_same_use(by_hand, pick, place, make_block):

@@ -5,6 +5,11 @@ import pytest
 from tests.pipeline.history.merge_histories import calls_of, run_history, with_calls
 from tests.pipeline.history.renaming_histories import run_renaming_history
 
+MIXED = pytest.mark.xfail(
+    reason="a block whose conflict was resolved line by line counts as edited", strict=True
+)
+"""The known limit of docs/blocks.md."""
+
 
 @pytest.mark.parametrize(
     "source",
@@ -26,7 +31,9 @@ def test_a_history(tmp_path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(204))
+@pytest.mark.parametrize(
+    "seed", [pytest.param(seed, marks=[MIXED] * (seed in (109, 157))) for seed in range(204)]
+)
 def test_two_hundred_histories(seed: int, tmp_path) -> None:
     run_history(tmp_path / "r", seed)
 
@@ -36,5 +43,9 @@ def test_two_hundred_histories(seed: int, tmp_path) -> None:
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 50))]
 )
-def test_histories_with_renamed_functions_and_files(seed: int, language: str, tmp_path) -> None:
+def test_histories_with_renamed_functions_and_files(
+    seed: int, language: str, request, tmp_path
+) -> None:
+    if (seed, language) == (28, "cpp"):
+        request.applymarker(MIXED)
     run_renaming_history(tmp_path / "r", seed, language)

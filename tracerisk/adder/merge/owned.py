@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import PROBABILITY
-from tracerisk.adder.lock.lock import ControllerLock, OwnedValue, Uses, Written
+from tracerisk.adder.lock.lock import ControllerLock, OwnedValue, Uses
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 
 OMITTED = "omit"
@@ -124,15 +124,14 @@ def _owned(
     final: ControllerLock,
 ) -> OwnedValue:
     data = final.behind.components.get(entry.name, "")
-    now = OwnedValue(value, reason_of(entry), uses_of(final.blocks, entry.name), data)
+    now = OwnedValue(value, reason_of(entry), uses_of(final, entry.name), data)
     if before is None:
         return now
     was = renamed.get(ref, ref)
     new_names = {old: new for new, old in renamed.items()}
-    then = _renamed(uses_of(before.blocks, entry.name), new_names)
+    then = _renamed(uses_of(before, entry.name), new_names)
     kept = before.owned.get(was.file, {}).get(was.name, {}).get(entry.name)
     if kept is None or not kept.is_of(now.value, now.reason):
-        # The figures of a function that did not run may be of other data.
         ran = before.behind.functions or before.blocks
         if (
             was.name not in ran.get(was.file, {})
@@ -152,13 +151,17 @@ def _owned(
     return kept if is_moved else now
 
 
-def uses_of(blocks: Mapping[str, Written], component: str) -> Uses:
-    """Return the computed figure of a component in each function that uses it, by source."""
+def uses_of(entry: ControllerLock, component: str) -> Uses:
+    """Return the computed figure of a component in each function that uses it, by source.
+
+    A function that did not run uses nothing, whatever its block says of an earlier run.
+    """
+    ran = entry.behind.functions or entry.blocks
     uses: dict[str, dict[str, str]] = {}
-    for file, written in blocks.items():
+    for file, written in entry.blocks.items():
         for name, block in written.items():
-            entry = block.components.get(component)
-            text = None if entry is None else entry.values.get(PROBABILITY.key)
+            held = block.components.get(component) if name in ran.get(file, {}) else None
+            text = None if held is None else held.values.get(PROBABILITY.key)
             if text is not None and float(text) > 0.0:
                 uses.setdefault(file, {})[name] = text
     return uses
@@ -216,7 +219,7 @@ def moved_uses(entry: ControllerLock) -> Iterator[MovedUse]:
         for name, row in functions.items():
             for component, owned in row.items():
                 ref = FunctionRef(file, QualifiedName(name))
-                uses = uses_of(entry.blocks, component)
+                uses = uses_of(entry, component)
                 is_other_data = owned.data != entry.behind.components.get(component, "")
                 yield from _moves(
                     ref, component, owned, uses, by_hand[component], only_names=is_other_data
