@@ -11,7 +11,7 @@ from rosbags.typesys.store import Typestore
 
 from tests.slow import slow_but_every
 from tracerisk.ros.messages.ros1 import Interfaces
-from tracerisk.ros.messages.ros1_base import DeserializationError, Message
+from tracerisk.ros.messages.ros1_base import DeserializationError, Message, copy_message
 from tracerisk.ros.time.rostime import Duration, Time
 
 INTERFACES = Interfaces()
@@ -108,7 +108,23 @@ def test_the_md5_sum_is_that_of_rosbags(name, store):
 def test_what_is_written_is_read_again(name):
     kind = INTERFACES.message(name)
     message = filled(kind, random.Random(name))
-    assert kind().deserialize(to_bytes(message)) == message
+    received = kind().deserialize(to_bytes(message))
+    assert received == message
+    copied = copy_message(received)
+    assert type(copied) is kind
+    assert copied == received
+    assert not mutable_parts(copied) & mutable_parts(received)
+
+
+def mutable_parts(value: Any) -> set[int]:
+    """Return what of a message could be changed, as the ids of these objects."""
+    if isinstance(value, Message | Time | Duration):
+        parts = [getattr(value, name) for name in type(value).__slots__]
+    elif isinstance(value, list):
+        parts = value
+    else:
+        return set()
+    return {id(value)}.union(*map(mutable_parts, parts))
 
 
 def test_a_pose_has_known_bytes():

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
-from functools import partial
+from collections.abc import Callable, Collection, Iterator, Mapping, Set
+from functools import lru_cache, partial
 from typing import Any, Literal
 
 from tracerisk.errors import Location
@@ -79,7 +79,7 @@ def results_of_name(place: Location | None, name: str, calls: Collection[str]) -
     return tuple(dict.fromkeys(result))
 
 
-def _compared_with(tree: ast.Module, call: ast.Call) -> tuple[list[Any], set[str]]:
+def _compared_with(tree: ast.Module, call: ast.Call) -> tuple[list[Any], Set[str]]:
     """Return the literals with which the result of a call is compared, and its conversions."""
     names, casts = held_by(tree, call)
     refused = _refused(tree)
@@ -235,7 +235,8 @@ def written_name(place: Location | None, call: str) -> str:
     return ""
 
 
-def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
+@lru_cache(maxsize=64)
+def held_by(tree: ast.AST, call: ast.Call) -> tuple[Set[str], Set[str]]:
     """Return the names that are given what a call returns, and the conversions around it.
 
     Also where a function of the same source returns it, or is handed it.
@@ -275,10 +276,10 @@ def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
             inner = node.args[0]
             if any(item is call for item in ast.walk(inner)) or dotted_name(inner) in names:
                 casts.add(last_name(node.func))
-    return names, casts
+    return frozenset(names), frozenset(casts)
 
 
-def is_held(node: ast.expr, call: ast.Call, names: set[str]) -> bool:
+def is_held(node: ast.expr, call: ast.Call, names: Set[str]) -> bool:
     """Return whether an expression is what a call returns, or a part of it: `names` hold that."""
     stem = _stem(node)
     return stem is call or dotted_name(stem) in names

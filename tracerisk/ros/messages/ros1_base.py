@@ -192,6 +192,26 @@ class Message:
         return True
 
 
+def copy_message(message: Message) -> Any:
+    """Return a copy of a message that came over the wire, nested messages included."""
+    made = type(message).__new__(type(message))
+    for field in message._fields:
+        value = getattr(message, field.name)
+        if isinstance(value, list):
+            value = [_copied(item) for item in value]
+        else:
+            value = _copied(value)
+        setattr(made, field.name, value)
+    return made
+
+
+def _copied(value: Any) -> Any:
+    if isinstance(value, Message):
+        return copy_message(value)
+    # All that else comes over the wire cannot be changed.
+    return type(value)(value.secs, value.nsecs) if isinstance(value, Time | Duration) else value
+
+
 def check_field(name: str, field: Field, value: Any) -> None:
     """Check a value against a field, down to the last nested message.
 

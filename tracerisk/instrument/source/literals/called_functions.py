@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -40,16 +40,21 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
 
 def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
     """Yield the calls of a tree that stand, or go on, at a line."""
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
-    for call in calls if line is not None else ():
+    for call in _calls_in(tree) if line is not None else ():
         if call.lineno <= (line or 0) <= (call.end_lineno or call.lineno):
             yield call
+
+
+@lru_cache(maxsize=32)
+def _calls_in(tree: ast.AST) -> tuple[ast.Call, ...]:
+    return tuple(node for node in ast.walk(tree) if isinstance(node, ast.Call))
 
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 
 
-def functions_of(tree: ast.AST) -> dict[str, Function]:
+@lru_cache(maxsize=32)
+def functions_of(tree: ast.AST) -> Mapping[str, Function]:
     """Return the functions of a source by name."""
     return {
         node.name: node

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
 from tracerisk.errors import Location
@@ -86,7 +86,7 @@ def _is_split(node: ast.AST) -> bool:
     return is_method and last_name(node.func) == "split"  # type: ignore[attr-defined]
 
 
-def _is_of(split: ast.AST, call: ast.Call, names: set[str]) -> bool:
+def _is_of(split: ast.AST, call: ast.Call, names: Set[str]) -> bool:
     assert isinstance(split, ast.Call)
     return any(
         node is call or (isinstance(node, ast.Name | ast.Attribute) and ast.unparse(node) in names)

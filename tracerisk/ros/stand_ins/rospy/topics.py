@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import traceback
 import warnings
 from collections.abc import Callable
@@ -13,7 +12,7 @@ from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.graph.topic_ends import Publication, Subscription
-from tracerisk.ros.messages.ros1_base import Message, SerializationError
+from tracerisk.ros.messages.ros1_base import Message, SerializationError, copy_message
 from tracerisk.ros.readings.stale_messages import StaleMessages
 from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners
 
@@ -343,7 +342,7 @@ class _SubscriberImpl(_Connected):
     ) -> None:
         connection.trim()
         if type(snapshot) is self.data_class:
-            message = copy.deepcopy(snapshot)
+            message = copy_message(snapshot)
         else:
             message = sent_copy(snapshot, self.data_class)
         message._connection_header = {
