@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.annotate import Changed, SourceBlocks, Unchanged, annotate_sources
-from tracerisk.adder.lock.lock import Behind, Lock
+from tracerisk.adder.lock.lock import Behind, Lock, OwnedValue
 from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.adder.merge.owned import moved_uses
@@ -209,6 +209,14 @@ def test_a_lock_that_git_mixed_says_of_each_figure_of_which_data_it_is(by_hand, 
     mixed = [*theirs[:line], ours[line], *theirs[line + 1 :]]
     by_hand.lock = loads("\n".join(mixed).encode(), "tracerisk.lock")
     assert by_hand.run(pick(gripper=5e-07, motor=2e-08), place, data="e", is_new=False) == []
+
+
+def test_a_value_for_no_use_is_kept_with_its_data(by_hand, pick, place):
+    by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
+    owned = {"c.py": {"pick": {"gripper": OwnedValue("3e-07", "supplier letter", {}, "d")}}}
+    entry = replace(by_hand.lock.controllers["c.py"], owned=owned)
+    written = by_hand.lock.with_controller("c.py", entry).dumps()
+    assert loads(written, "tracerisk.lock").controllers["c.py"].owned == owned
 
 
 def test_a_lock_of_an_earlier_version_says_once_of_which_data_its_figures_are(by_hand, pick, place):

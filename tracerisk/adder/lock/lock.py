@@ -309,7 +309,8 @@ def _owned_data(owned: OwnedValue) -> dict[str, Any]:
         file: {name: f"{text} of {owned.data}" for name, text in row.items()}
         for file, row in owned.uses.items()
     }
-    return {"value": owned.value, "reason": owned.reason, "uses": uses}
+    data = {"value": owned.value, "reason": owned.reason, "uses": uses}
+    return data if uses else {**data, "data": owned.data}
 
 
 def data_digest(data: Mapping[str, Any]) -> str:

@@ -229,7 +229,7 @@ class _Reader:
             uses[source] = self._values(texts, dict.fromkeys(texts, PROBABILITY), place)
         # Only the function's own figure is compared; a merge may have mixed it with others.
         data = data_of.get((file, function)) or next(iter(data_of.values()), "")
-        # Locks of earlier versions say it once.
+        # One for no use says it by itself, and those of earlier versions do.
         data = data or str(entry.get("data", ""))
         return OwnedValue(str(entry.get("value", "")), str(entry.get("reason", "")), uses, data)
 
