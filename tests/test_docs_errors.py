@@ -120,7 +120,7 @@ RUNS: dict[str, tuple[str, str]] = {
     "run-died": ("ACT os.kill(os.getpid(), 9)", ""),
     "run-no-motion": ("while not rospy.is_shutdown(): pass", "--duration 3"),
     "run-deadlock": ('ACT rospy.wait_for_service("/find_tube")', ""),
-    "run-wall-limit": ("ACT while True: pass", "--stall-limit 1"),
+    "run-wall-limit": ("ACT for _ in iter(int, 1): pass", "--stall-limit 1"),
     "run-memory-limit": ("ACT hoard = bytearray(4_000_000_000)", "--memory-limit 2500"),
     "run-not-importable": ("ACT import my_vision", ""),
     "no-command": ("pass", ""),

@@ -96,6 +96,8 @@ def decorator_served(tracer: Tracer) -> Iterator[None]:
     module = ModuleType(TRACER_MODULE, "Tracing decorator of the run in progress.")
     module.traced = tracer.traced  # type: ignore[attr-defined]
     module.looped = tracer.looped  # type: ignore[attr-defined]
+    module.turned = tracer.turned  # type: ignore[attr-defined]
+    module.waited = tracer.waited  # type: ignore[attr-defined]
     module.caught = tracer.caught  # type: ignore[attr-defined]
     module.called = tracer.calls.called  # type: ignore[attr-defined]
     module.made = tracer.calls.made  # type: ignore[attr-defined]

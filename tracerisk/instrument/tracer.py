@@ -62,6 +62,12 @@ class Frame:
         return ((self.function.file, self.site), *self.through)
 
 
+_TURNS_TOLD = 100
+"""The turns of loops that `on_turns` is told of at once."""
+_LOOK_COST = 1000
+"""For how many turns one counts of a loop that only looks: in Python they take about 1 ms."""
+
+
 @dataclass(slots=True, eq=False)
 class _Record:
     """A traced function."""
@@ -122,7 +128,8 @@ class Tracer:
     """Follows the functions of one run of a controller.
 
     `on_first_run` is called with each function the first time that it runs; `on_iteration` (an
-    attribute) gets file and line of an endless loop at the beginning of each iteration; `on_source`
+    attribute) gets file and line of an endless loop at the beginning of each iteration; `on_turns`
+    (an attribute) gets how many turns `while` loops have made; `on_source`
     (an attribute) gets each file of the controller and the bytes that were compiled; `on_caught`
     (an attribute) gets each call that a stand-in refused by an exception which the controller
     caught. `on_behalf` (an attribute) returns the stack of another function for whose sake the
@@ -136,6 +143,8 @@ class Tracer:
         self.calls = CallLog(self.top)
         self._on_first_run = on_first_run
         self.on_iteration: Callable[[str, int], None] | None = None
+        self.on_turns: Callable[[int], None] | None = None
+        self._turns = 0
         self.on_source: Callable[[str, bytes], None] | None = None
         self.on_caught: Callable[[CaughtFailure], None] | None = None
         self.ros_libraries: tuple[str, ...] = STAND_INS
@@ -175,6 +184,21 @@ class Tracer:
         """Record that an iteration of an endless loop begins; instrumented loops call this."""
         if self.on_iteration is not None:
             self.on_iteration(file, line)
+
+    @hide
+    def turned(self) -> None:
+        """Count a turn of a loop; instrumented loops call this."""
+        self._turns += 1
+        if self._turns == _TURNS_TOLD:
+            self._turns = 0
+            if self.on_turns is not None:
+                self.on_turns(_TURNS_TOLD)
+
+    @hide
+    def waited(self) -> None:
+        """Count a turn of a loop that only looks for what others do; such loops call this."""
+        if self.on_turns is not None:
+            self.on_turns(_LOOK_COST)
 
     @hide
     def caught(self) -> None:

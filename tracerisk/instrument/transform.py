@@ -3,7 +3,7 @@
 The text that libcst wrote is parsed again and walked beside the original's syntax tree: but for
 what was inserted both must be the same tree, and every node takes the original's position, so
 line numbers, columns and `co_firstlineno` of the compiled code are those of the file on disk.
-Then loops without an end, `except` clauses and calls that may command are marked in the tree
+Then loops, `except` clauses and calls that may command are marked in the tree
 itself, on the lines that they have.
 """
 
@@ -14,6 +14,7 @@ import warnings
 from types import CodeType
 
 from tracerisk.instrument.code_positions import compile_with_positions
+from tracerisk.instrument.marks.busy_waits import TURNED, WAITED, mark_turns
 from tracerisk.instrument.marks.calls import mark_calls
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.marks.endless_loops import MARKER, mark_endless_loops
@@ -41,9 +42,10 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
         warnings.simplefilter("ignore")
         tree = ast.parse(instrumented.text, filename)
     _take_positions(tree, original, instrumented.file)
+    mark_turns(tree, TRACER_MODULE)
     mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
     mark_handlers(tree, TRACER_MODULE)
-    inserted = frozenset({DECORATOR, MARKER, CAUGHT, UNPACKED})
+    inserted = frozenset({DECORATOR, MARKER, TURNED, WAITED, CAUGHT, UNPACKED})
     mark_calls(tree, TRACER_MODULE, instrumented.file, inserted)
     if parsed.is_python_2:
         give_meaning(tree)

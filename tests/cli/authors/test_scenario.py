@@ -296,7 +296,9 @@ def test_what_nothing_helps_is_reported_with_what_was_found(example):
 
 @pytest.mark.slow
 def test_a_limit_of_the_machine_ends_the_search(example):
-    example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\nwhile True: pass\n")
+    example.write(
+        "c.py", HEAD + "rospy.wait_for_message('/a', String)\nfor _ in iter(int, 1): pass\n"
+    )
     outcome = example.run("scenario", "c.py", "--write", "--json", "--stall-limit", "3")
     assert outcome.code == 4
     assert outcome.json["end"]["cause"] == "wall_limit"

@@ -94,3 +94,33 @@ def test_a_goal_that_is_sent_again_and_again_is_reached_once(trace):
     )
     assert data["end"]["cause"] == "idle", outcome.err
     assert data["end"]["simulated_s"] < 20.0
+
+
+LISTENS = """\
+from sensor_msgs.msg import JointState
+
+received = None
+
+
+def receive(state):
+    global received
+    received = state
+
+
+rospy.Subscriber("/joint_states", JointState, receive)
+"""
+
+
+@pytest.mark.parametrize(
+    "wait",
+    [
+        "while received is None:\n    pass\n",
+        "while True:\n    if received:\n        break\n",
+        "while True:\n    if received:\n        received.header.seq = 0\n        break\n",
+        "n = 0\nwhile not received:\n    n += 1\n",
+    ],
+)
+def test_a_loop_that_waits_for_a_callback_goes_on_once_it_came(trace, wait):
+    data, outcome = trace(f"{LISTENS}{wait}topic.publish(message(0.3, 1.0))\nrospy.sleep(2)\n")
+    assert data["end"]["cause"] == "ended", outcome.err
+    assert data["end"]["simulated_s"] == pytest.approx(2.0, abs=0.2)

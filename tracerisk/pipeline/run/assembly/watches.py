@@ -51,6 +51,7 @@ def build_watches(
         scheduler, recorder, request.idle_s, cuts_streams=not request.is_duration_given
     )
     recorder.watch, world.tracer.on_iteration = watch, watch.looped
+    world.tracer.on_turns = scheduler.count_call
     schedule = watch.schedule = graph.scenario.schedule
     values = UsableValues(
         twin.robot,
