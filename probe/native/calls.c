@@ -361,22 +361,93 @@ static void begin_process(bool is_forked)
   put_line(line, (size_t)(to - line));
 }
 
+/* Record something of the process itself: a key, quoted, and a number; `lock` is held. */
+static void put_of_process(const char *key, unsigned number)
+{
+  char line[64];
+  char *to = put(put_number(put(line, "{\"pid\":"), (uint64_t)pid), ",");
+  to = put(put_number(put(to, key), number), "}\n");
+  put_line(line, (size_t)(to - line));
+}
+
 #ifdef __GLIBC__
 /* Record the code with which the process ends; one that a signal ends has none. */
 static void note_exit(int code, void *nothing)
 {
-  char line[64];
   (void)nothing;
   if (!is_on || !has_begun || is_recording) return;
   is_recording = true;
   pthread_mutex_lock(&lock);
-  char *to = put_number(put(line, "{\"pid\":"), (uint64_t)pid);
-  to = put(put_number(put(to, ",\"exit\":"), code & 255), "}\n");
-  put_line(line, (size_t)(to - line));
+  put_of_process("\"exit\":", code & 255);
   pthread_mutex_unlock(&lock);
   is_recording = false;
 }
 #endif
+
+/* ---- Whether nothing is in progress: all that is expected is what comes from elsewhere. ---- */
+
+static bool tells_spins; /* a live run asks; on a robot nobody does, and callbacks come often */
+static int spinning;     /* whether the main thread waits for callbacks alone, or for the end */
+static int working;      /* threads that are in a callback, or asleep */
+static bool has_told_spins;
+static LOCAL bool is_spinning;   /* `spinning`, of this thread */
+static LOCAL int works;          /* callbacks and sleeps of this thread, one within the other */
+static LOCAL bool takes_time;    /* a thread of ROS itself, for each time that comes */
+
+static void tell_spins(void)
+{
+  if (!is_on || !has_begun || is_recording) return;
+  int error = errno;
+  is_recording = true;
+  pthread_mutex_lock(&lock);
+  bool spins = __atomic_load_n(&spinning, __ATOMIC_SEQ_CST) &&
+               !__atomic_load_n(&working, __ATOMIC_SEQ_CST);
+  if (spins != has_told_spins) put_of_process("\"spins\":", spins);
+  has_told_spins = spins;
+  pthread_mutex_unlock(&lock);
+  is_recording = false;
+  errno = error;
+}
+
+/* They take what ends with the function that calls them, even if it throws: see `cleanup`. */
+
+static bool begin_work(void)
+{
+  if (!tells_spins) return false;
+  if (!works++ && __atomic_add_fetch(&working, 1, __ATOMIC_SEQ_CST) == 1) tell_spins();
+  return true;
+}
+
+static void end_work(const bool *has_begun_it)
+{
+  if (*has_begun_it && !--works && !__atomic_sub_fetch(&working, 1, __ATOMIC_SEQ_CST))
+    tell_spins();
+}
+
+static bool begin_callback(void) { return !takes_time && begin_work(); }
+
+/* What a spin itself sleeps is no work. */
+static bool begin_sleep(void) { return (!is_spinning || works) && begin_work(); }
+
+static bool begin_spin(void)
+{
+  if (!tells_spins || is_spinning || syscall(SYS_gettid) != getpid()) return false;
+  __atomic_store_n(&spinning, is_spinning = true, __ATOMIC_SEQ_CST);
+  tell_spins();
+  return true;
+}
+
+static void end_spin(const bool *has_begun_it)
+{
+  if (!*has_begun_it) return;
+  __atomic_store_n(&spinning, is_spinning = false, __ATOMIC_SEQ_CST);
+  tell_spins();
+}
+
+#define WHILE(begin, end) __attribute__((cleanup(end))) const bool during = begin(); (void)during
+#define CALLING_BACK WHILE(begin_callback, end_work)
+#define SLEEPING WHILE(begin_sleep, end_work)
+#define SPINNING WHILE(begin_spin, end_spin)
 
 struct stack {
   uintptr_t at[DEEPEST];
@@ -518,6 +589,9 @@ static void after_fork(void)
   piece = NULL;
   tid = 0;
   is_recording = false;
+  spinning = is_spinning;
+  working = works > 0;
+  has_told_spins = false;
   for (int at = 0; at < BUCKETS; ++at)
     for (struct counter *known = counters[at]; known; known = known->next) known->count = 0;
   bool is_node = has_begun;
@@ -564,9 +638,25 @@ static void *found(void **known, const char *name)
 #define ROS1_PUBLISH \
   _ZNK3ros9Publisher7publishERKN5boost8functionIFNS_17SerializedMessageEvEEERS3_
 #define ROS1_START _ZN3ros5startEv
+#define ROS1_SPIN_ONE _ZN3ros21SingleThreadedSpinner4spinEPNS_13CallbackQueueE
+#define ROS1_SPIN_MANY _ZN3ros20MultiThreadedSpinner4spinEPNS_13CallbackQueueE
+#define ROS1_AWAIT_END _ZN3ros15waitForShutdownEv
+#define ROS1_TAKE_TIME _ZN3ros10spinThreadEv
+#define ROS1_CALL_BACK _ZN3ros13CallbackQueue9callOneCBEPNS0_3TLSE
+#define ROS1_SLEEP _ZNK3ros8Duration5sleepEv
+#define ROS1_SLEEP_UNTIL _ZN3ros4Time10sleepUntilERKS0_
 #define ROS1_AWAIT_TIME _ZN3ros4Time12waitForValidERKNS_12WallDurationE
 #define ROS1_CALL                                                                            \
   _ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE
+
+/* A live run says when its time begins [ns since 1970]. A node on a robot has a time at once, and
+ * shall not take the first of the clock for a jump. */
+
+static int64_t beginning(void)
+{
+  const char *given = getenv("TRACERISK_TIME_BEGINS");
+  return given ? strtoll(given, NULL, 10) : 0;
+}
 
 __attribute__((constructor)) static void begin(void)
 {
@@ -579,6 +669,7 @@ __attribute__((constructor)) static void begin(void)
   }
   strcat(file, named);
   is_on = 1;
+  tells_spins = beginning() != 0;
   pthread_atfork(NULL, NULL, after_fork);
 #ifdef __GLIBC__
   on_exit(note_exit, NULL);
@@ -610,15 +701,6 @@ static bool ends_with(const struct std_string *text, const char *ending)
   return text->length >= length && !memcmp(text->text + text->length - length, ending, length);
 }
 
-/* A live run says when its time begins [ns since 1970]. A node on a robot has a time at once, and
- * shall not take the first of the clock for a jump. */
-
-static int64_t beginning(void)
-{
-  const char *given = getenv("TRACERISK_TIME_BEGINS");
-  return given ? strtoll(given, NULL, 10) : 0;
-}
-
 struct wall_duration {
   int32_t seconds, nanoseconds;
 };
@@ -629,6 +711,48 @@ EXPORT void ROS1_START(void)
 {
   BEHIND(ROS1_START)();
   if (beginning()) BEHIND(ROS1_AWAIT_TIME)(&(struct wall_duration){10, 0});
+}
+
+EXPORT void ROS1_SPIN_ONE(void *self, void *queue)
+{
+  SPINNING;
+  BEHIND(ROS1_SPIN_ONE)(self, queue);
+}
+
+EXPORT void ROS1_SPIN_MANY(void *self, void *queue)
+{
+  SPINNING;
+  BEHIND(ROS1_SPIN_MANY)(self, queue);
+}
+
+EXPORT void ROS1_AWAIT_END(void)
+{
+  SPINNING;
+  BEHIND(ROS1_AWAIT_END)();
+}
+
+EXPORT void ROS1_TAKE_TIME(void)
+{
+  takes_time = true;
+  BEHIND(ROS1_TAKE_TIME)();
+}
+
+EXPORT int ROS1_CALL_BACK(void *self, void *called)
+{
+  CALLING_BACK;
+  return BEHIND(ROS1_CALL_BACK)(self, called);
+}
+
+EXPORT bool ROS1_SLEEP(const void *self)
+{
+  SLEEPING;
+  return BEHIND(ROS1_SLEEP)(self);
+}
+
+EXPORT bool ROS1_SLEEP_UNTIL(const void *end)
+{
+  SLEEPING;
+  return BEHIND(ROS1_SLEEP_UNTIL)(end);
 }
 
 EXPORT void ROS1_PUBLISH(const struct publisher *const *self, const void *serialize, void *message)
@@ -837,4 +961,31 @@ EXPORT int rcl_send_request(const void *self, const void *request, int64_t *numb
   else if (!of_action || strcmp(of_action, "/_action/get_result"))
     record_of(call, service, NULL);
   return BEHIND(rcl_send_request)(self, request, number);
+}
+
+/* ---- Sleeps on the wall clock ---- */
+
+EXPORT int nanosleep(const struct timespec *asked, struct timespec *left)
+{
+  SLEEPING;
+  return BEHIND(nanosleep)(asked, left);
+}
+
+EXPORT int clock_nanosleep(clockid_t of, int flags, const struct timespec *asked,
+                           struct timespec *left)
+{
+  SLEEPING;
+  return BEHIND(clock_nanosleep)(of, flags, asked, left);
+}
+
+EXPORT int usleep(useconds_t asked)
+{
+  SLEEPING;
+  return BEHIND(usleep)(asked);
+}
+
+EXPORT unsigned sleep(unsigned asked)
+{
+  SLEEPING;
+  return BEHIND(sleep)(asked);
 }

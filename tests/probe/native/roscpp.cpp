@@ -1,9 +1,11 @@
-// A node of the installed roscpp: a message, a call of a service that nobody serves, a timer.
+// A node of the installed roscpp: a message, a call of a service that nobody serves, timers, a thread.
 #include <ros/ros.h>
 #include <roscpp/GetLoggers.h>
 #include <std_msgs/Float64.h>
 
+#include <chrono>
 #include <cstdio>
+#include <thread>
 
 class Cell {
  public:
@@ -15,9 +17,10 @@ class Cell {
   }
   void on_timer(const ros::TimerEvent &)
   {
+    ros::Duration(0.05).sleep();
     swing(2);
-    ros::shutdown();
   }
+  void on_last_timer(const ros::TimerEvent &) { ros::shutdown(); }
   bool ask()
   {
     roscpp::GetLoggers service;
@@ -38,6 +41,13 @@ int main(int argc, char **argv)
   spinner.start();
   cell.swing(1);
   std::printf("called %d\n", cell.ask());
-  ros::Timer timer = cell.node.createTimer(ros::Duration(0.05), &Cell::on_timer, &cell);
+  ros::Timer timer = cell.node.createTimer(ros::Duration(0.05), &Cell::on_timer, &cell, true);
+  ros::Timer last = cell.node.createTimer(ros::Duration(1.2), &Cell::on_last_timer, &cell, true);
+  std::thread worker([&cell] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    cell.swing(3);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  });
   ros::waitForShutdown();
+  worker.join();
 }

@@ -10,6 +10,7 @@ from tracerisk.errors import DependencyError
 from tracerisk.ros.live.real_ros import python_of_ros
 
 HERE = Path(__file__).parent
+KEYS = ('"spins":0', '"spins":1', '"seq":1', '"seq":2')
 LIBRARIES = ["roscpp", "rosconsole", "roscpp_serialization", "rostime", "boost_system"]
 
 
@@ -28,7 +29,9 @@ def test_a_node_of_roscpp_is_recorded_with_its_callbacks(nodes):
     env = {name: value for name, value in os.environ.items() if name != "ROS_HOSTNAME"}
     file = nodes.folder / "calls.jsonl"
     file.unlink(missing_ok=True)
-    preload = [f"LD_PRELOAD={nodes.library}", f"TRACERISK_CALLS={file}"]
+    # Only a live run, which begins at some time, asks whether nothing is in progress.
+    begins = "TRACERISK_TIME_BEGINS=1"
+    preload = [f"LD_PRELOAD={nodes.library}", f"TRACERISK_CALLS={file}", begins]
     done = subprocess.run(
         [python, str(HERE / "with_master.py"), "env", *preload, str(program)],
         env={**env, **changed},
@@ -48,4 +51,10 @@ def test_a_node_of_roscpp_is_recorded_with_its_callbacks(nodes):
         ("call", "/none", 0, ["main", "Cell::ask"]),
         ("end", "/none", 0, []),
         ("publish", "/arm/command", 1, ["Cell::on_timer", "Cell::swing"]),
+        ("publish", "/arm/command", 2, ["main", "Cell::swing"]),
     ]
+    lines = [line for line in file.read_text().replace("\0", "").split("\n") if line]
+    noted = [next((key for key in KEYS if key in line), "") for line in lines]
+    # From its message on, the timer's callback ends, and the thread sleeps until its own message and
+    # once more; then the last timer comes, and the node is asked for its end no longer.
+    assert noted[noted.index(KEYS[2]) :] == [KEYS[at] for at in (2, 1, 3, 0, 1, 0, 1, 0)] + [""]

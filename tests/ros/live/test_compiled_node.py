@@ -28,6 +28,14 @@ AFTER = """\
   cell.leave();
   return 3;
 """
+LATE = """\
+static cell::Cell* arm = nullptr;
+static void late(const ros::TimerEvent&)
+{
+  ros::Duration(15.0).sleep();
+  arm->home();
+}
+"""
 MORE = """\
   void place();
   void park() { swing(1.0, 1.0); }
@@ -130,6 +138,35 @@ def test_blocks_are_written_into_the_functions_of_the_author(lived):
     solved = lived.run("solve", "pick.cpp")
     assert solved.code == 0, solved.err
     assert "cell::Cell::pick" in solved.out
+
+
+def test_what_a_callback_commands_late_is_kept_and_a_node_that_only_spins_ends(compiled):
+    text = (PROGRAMS / "pick.cpp").read_text()
+    late = "  const ros::Timer timer = node.createTimer(ros::Duration(1.0), late, true);\n"
+    changed = text.replace("  cell.home();\n  return 0;\n", f"{late}  ros::spin();\n")
+    changed = changed.replace("int main(", f"{LATE}int main(")
+    changed = changed.replace("  cell::Cell cell;\n", "  cell::Cell cell;\n  arm = &cell;\n")
+    assert changed.count("arm = &cell") == changed.count("ros::spin()") == 1
+    example = compiled("late", changed)
+    done = example.run(
+        *(
+            "trace",
+            "--live",
+            "--speed",
+            "20",
+            "--robot",
+            "panda",
+            "-o",
+            "live.json",
+            "--",
+            "./late",
+        ),
+    )
+    assert done.code == 0, done.out + done.err
+    trace = json.loads(example.read("live.json").decode())
+    assert (trace["end"]["cause"], trace["verdict"]["kind"]) == ("idle", "complete")
+    before, last = trace["commands"][-2:]
+    assert last["issue_s"] - before["end_s"] > 15.0
 
 
 def test_a_node_plans_with_moveit_where_there_is_none(compiled):

@@ -30,7 +30,7 @@ VARIABLE = "TRACERISK_CALLS"
 """The environment variable that names the file to the probe."""
 KINDS = ("publish", "goal", "call", "end")
 """A message, a goal of an action, a call of a service, and the end of such a call."""
-_KEYS = {"probe", "modules", "kind", "exit", "made", "gone"}
+_KEYS = {"probe", "modules", "kind", "exit", "spins", "made", "gone"}
 """Each line has one of these."""
 _INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
 """Where sources of installed libraries are; their inlined functions are none of the controller."""

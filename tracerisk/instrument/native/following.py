@@ -21,7 +21,9 @@ class CallFollower:
     A stack is named once, however often it issues a command; `names_at` is that of `read_calls`.
     `notes` (an attribute) are the sentences of `CallLog` on what is missing, `newer` its sources
     that have changed, `programs` those that reported, `codes` those with which processes have
-    ended by themselves, `ends` the lines on topics and services of nodes of ROS 2 that have come.
+    ended by themselves, `spinning` those in which nothing is in progress and the main thread waits
+    for callbacks alone or for the end, `ends` the lines on topics and services of nodes of ROS 2
+    that have come.
     """
 
     def __init__(self, file: Path, names_at: NamesAt | None = None) -> None:
@@ -29,6 +31,7 @@ class CallFollower:
         self.newer: dict[str, str] = {}
         self.programs: dict[str, None] = {}
         self.codes: dict[int, int] = {}
+        self.spinning: set[int] = set()
         self.ends: list[dict[str, Any]] = []
         self._file = file
         self._names_at = names_at
@@ -89,6 +92,8 @@ class CallFollower:
             self.ends.append(entry)
         elif "exit" in entry:
             self.codes[pid] = entry["exit"]
+        elif "spins" in entry:
+            (self.spinning.add if entry["spins"] else self.spinning.discard)(pid)
 
     def _name(self, unknown: dict[str, dict[str, Any]]) -> None:
         log = named_calls([*self._modules, *unknown.values()], self._names_at)

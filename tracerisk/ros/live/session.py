@@ -125,6 +125,11 @@ class Session:
             return self._tree.code
         return None if self._controller_process is None else self._controller_process.poll()
 
+    @property
+    def command_processes(self) -> tuple[int, ...]:
+        """The processes of a command that live."""
+        return () if self._tree is None else self._tree.pids
+
     def begin(self, program: Program) -> None:
         """Start the controller."""
         asked = asdict(program)
@@ -277,8 +282,7 @@ class Session:
         pids = [self._relay_process.pid]
         if self._controller_process is not None:
             pids.insert(0, self._controller_process.pid)
-        if self._tree is not None:
-            pids += self._tree.pids
+        pids += self.command_processes
         return all(_all_sleep(pid) for _ in range(2) for pid in pids)
 
 

@@ -4,7 +4,11 @@ from typing import Any
 
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.run.live.watch import HURRY_S, RemoteThreads
+from tracerisk.pipeline.run.watching.run_watch import RunWatch
+from tracerisk.pipeline.trace.run_files import IDLE_S
 
 STEP_S = 0.5
 
@@ -35,3 +39,34 @@ def test_a_menu_that_reads_nothing_and_sends_on_is_over():
 @pytest.mark.parametrize(("sends", "waits_at_s"), [(False, None), (True, HURRY_S - 0.5)])
 def test_a_node_that_waits_or_is_silent_goes_on(sends, waits_at_s):
     assert lived(sends=sends, waits_at_s=waits_at_s) is None
+
+
+def watched(spins: Any) -> Any:
+    """Return how a run is over whose main thread spins alone at some seconds, and after how many.
+
+    Its only command arrives at once.
+    """
+    clock = _Clock()
+    threads = RemoteThreads(clock)  # type: ignore[arg-type]
+    watch = RunWatch(threads, None)  # type: ignore[arg-type]
+    main = Frame(FunctionRef("cell.cpp", QualifiedName("main")), 1, 1, (2, 0), "main")
+    watch.issued(1, (main,), (0.5,))
+    watch.ended(1, "arrived")
+    for second in range(int(3 * IDLE_S)):
+        clock.now_ns = int(second * 1e9)
+        threads.spins(alone=spins(second))
+        watch.time_passed()
+        if threads.over is not None:
+            return threads.over.cause, second
+    return None
+
+
+def test_a_node_that_only_spins_is_over_after_the_time_that_a_loop_may_idle():
+    assert watched(lambda _: True) == ("idle", IDLE_S)
+
+
+@pytest.mark.parametrize("lasts_s", [15, IDLE_S + 15])
+def test_a_callback_that_waits_for_long_is_waited_for(lasts_s):
+    begins_s = 5
+    ends_s = begins_s + lasts_s
+    assert watched(lambda second: not begins_s <= second < ends_s) == ("idle", ends_s + IDLE_S)

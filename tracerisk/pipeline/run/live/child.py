@@ -231,6 +231,8 @@ class _LiveRun:
                     self._threads.look_without_input(waits=not session.is_computing)
                 if not session.is_computing:
                     self._nodes.settled()
+                spin = not session.is_computing and self._nodes.spin(session.command_processes)
+                self._threads.spins(alone=spin)
                 if self._nodes.is_awaited:
                     session.wait_wall(_EXIT_POLL_S)
                     continue
@@ -240,7 +242,6 @@ class _LiveRun:
             self._bridge.tick()
             session.send_time(self._bridge.now_ns)
             self._watch.time_passed()
-            self._threads.look(is_busy=self._twin.busy or self._watch.is_commanding)
             due = max(due + STEP_NS / 1e9 / speed, time.monotonic() - 10 * STEP_NS / 1e9)
             while (left := due - time.monotonic()) > 0.0:
                 session.wait_wall(left)
@@ -307,10 +308,8 @@ class _LiveRun:
         elif what == "begins":
             self._recorder.note(STARTED)
             self._threads.main.ident = header["thread"]
-        elif what == "spins":
-            self._threads.spins()
-        elif what == "spun":
-            self._threads.spun()
+        elif what in ("spins", "spun"):
+            self._threads.spins(alone=what == "spins")
         elif what == "calls":
             if not self._has_calls:
                 self._recorder.note(CALLS, **header["data"])

@@ -15,6 +15,8 @@ _LAUNCH: dict[RosVersion, tuple[str, ...]] = {
     2: (".launch.py", ".launch.xml", ".launch.yaml"),
 }
 _LAUNCHED_BY: dict[RosVersion, tuple[str, ...]] = {1: ("roslaunch",), 2: ("ros2", "launch")}
+LAUNCHERS = frozenset(words[0] for words in _LAUNCHED_BY.values())
+"""The programs that start nodes, and only wait from then on."""
 _FROM: dict[str, str] = {
     "roslaunch": "source setup.bash of ROS, or on Debian and Ubuntu: apt install python3-roslaunch",
     "ros2": "source setup.bash of ROS",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -162,6 +162,11 @@ class CompiledCalls:
         self._take()
         ends, self._follower.ends = self._follower.ends, []
         return ends
+
+    def spin(self, processes: Iterable[int]) -> bool:
+        """Return whether there are such processes, and each of them only waits for callbacks."""
+        asked = set(processes)
+        return bool(asked) and asked <= self._follower.spinning
 
     def ended(self) -> list[tuple[int, str, int | None]]:
         """Return each process of the controller's nodes that is there no more, and its program.

@@ -10,7 +10,7 @@ from tracerisk.errors import DependencyError, Location, signal_name
 from tracerisk.instrument.native.calls import VARIABLE
 from tracerisk.instrument.native.library import build_probe
 from tracerisk.instrument.source.ros_version import RosVersion
-from tracerisk.pipeline.run.live.command import command_words
+from tracerisk.pipeline.run.live.command import LAUNCHERS, command_words
 from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls
 from tracerisk.pipeline.run.live.compiled_ends import CompiledEnds
 from tracerisk.pipeline.trace.run_files import STARTED
@@ -21,6 +21,8 @@ from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.trace import EndCause
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from tracerisk.instrument.recorder import Recorder
     from tracerisk.instrument.tracer import Frame
     from tracerisk.pipeline.trace.run_files import RunRequest
@@ -131,6 +133,14 @@ class CompiledNodes:
         self._calls.settled()
         # What a process has sent last has come by now.
         self._gone = tuple(pid for pid in sorted(self._ends.processes) if has_ended(pid))
+
+    def spin(self, processes: Iterable[int]) -> bool:
+        """Return whether all processes of the command are nodes that only wait for callbacks.
+
+        What starts them waits too. Of another process nobody knows what it will do.
+        """
+        launches = Path(self._words[0]).name in LAUNCHERS
+        return self._calls.spin(pid for pid in processes if pid != self._pid or not launches)
 
     @property
     def is_awaited(self) -> bool:

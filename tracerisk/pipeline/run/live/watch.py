@@ -9,8 +9,6 @@ from tracerisk.ros.controller.thread import ControllerThread, RunOver
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.trace import EndCause
 
-SPIN_PATIENCE_S = 10.0
-"""How long a controller that spins must have been silent before nothing is expected of it [s]."""
 HURRY_S = 10.0
 """How long a node without input may send without a wait before it is one that never ends [s]."""
 _SILENT_S = 1.0
@@ -69,26 +67,12 @@ class RemoteThreads:
         """Note that the controller has sent or asked something."""
         self.last_ns = self.now_ns
 
-    def spins(self) -> None:
-        """Note that the main thread waits for callbacks alone from now on."""
-        self.main.spins_since_ns = self.now_ns
-        self.stirred()
-
-    def spun(self) -> None:
-        """Note that the main thread goes on with its own work."""
-        self.main.spins_since_ns = None
-        self.stirred()
-
-    def look(self, *, is_busy: bool) -> None:
-        """End a run in which the main thread spins and nothing has come for long."""
-        if is_busy or self.main.spins_since_ns is None:
-            self.last_ns = self.now_ns if is_busy else self.last_ns
-            return
-        if self.now_ns - self.last_ns >= SPIN_PATIENCE_S * 1e9:
-            self.end(
-                "quiescent",
-                f"the controller spins, and has sent nothing for {SPIN_PATIENCE_S:g} s",
-            )
+    def spins(self, *, alone: bool) -> None:
+        """Note whether the main thread waits for callbacks alone from now on."""
+        if not alone:
+            self.main.spins_since_ns = None
+        elif self.main.spins_since_ns is None:
+            self.main.spins_since_ns = self.now_ns
 
     def look_without_input(self, *, waits: bool) -> None:
         """End a run that asked for more input than there was, and sends without a wait for long.
