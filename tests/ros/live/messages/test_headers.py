@@ -89,6 +89,18 @@ def test_the_version_of_ros_is_that_of_the_sources(tmp_path):
     assert "rclcpp" in (tmp_path / "out/moveit/of_ros/of_ros.h").read_text()
 
 
+def test_what_headers_of_the_sources_include_is_made_too(tmp_path):
+    name = "#include <moveit/move_group_interface/move_group_interface.hpp>\n"
+    for file, text in {
+        "cell/package.xml": "<package><name>cell</name></package>",
+        "cell/src/pick.cpp": '#include <rclcpp/rclcpp.hpp>\n#include "cell/arm.hpp"\n',
+        "cell/include/cell/arm.hpp": name,
+    }.items():
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text(text)
+    assert headers_for([tmp_path / "cell/src/pick.cpp"], tmp_path / "out") == ("moveit",)
+
+
 def test_nothing_is_made_where_nothing_is_missing(tmp_path):
     present = tmp_path / "present"
     (present / "control_msgs").mkdir(parents=True)

@@ -67,6 +67,8 @@ bool Picker::retreat()
 // The joints that a target does not name are at zero, or midway where that is out of their limits.
 bool Picker::isFreshTargetUsual()
 {
+  const std::vector<std::string>& links = arm_.getLinkNames();  // those behind fixed joints too
+  if (links.size() != 8 || links[0] != "panda_link1" || links[7] != "panda_link8") return false;
   moveit::planning_interface::MoveGroupInterface::Plan plan;
   const bool isWithin = arm_.setJointValueTarget("panda_joint1", 0.3);
   if (!isWithin || arm_.setJointValueTarget("panda_joint2", 9.0)) return false;
@@ -102,6 +104,7 @@ int main(int argc, char** argv)
   picker.grip();
   const bool isAway = picker.retreat();
   const bool isKnown = scene.getKnownObjectNames() == std::vector<std::string>{"box"} &&
+                       scene.getObjectPoses({"box"}).at("box").position.x == -0.5 &&
                        scene.getAttachedObjects().empty();
   return isUsual && isAbove && isDown && isAway && isKnown ? 0 : 1;
 }

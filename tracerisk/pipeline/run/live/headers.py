@@ -11,6 +11,7 @@ from tracerisk.common.text.bounded import file_bytes, files_below
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.ros_version import ros_version
+from tracerisk.pipeline.trace.compiled.includes import included_files
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.prefixes import with_interfaces
 from tracerisk.pipeline.workspace.workspace import workspace_of
@@ -22,6 +23,7 @@ from tracerisk.ros.vendors.driver_search import definitions_of, shipped_drivers
 def headers_for(named: Sequence[Path], out: Path) -> tuple[str, ...]:
     """Make in `out` the headers that C++ sources, or those in folders, include and nobody has.
 
+    So are those that headers of their own include.
     Return the packages that were made, sorted.
 
     Raises:
@@ -42,14 +44,16 @@ def headers_for(named: Sequence[Path], out: Path) -> tuple[str, ...]:
                 Location(str(path)),
             )
         files += found or [path]
-    sources = []
+    sources = {}
     for path in files:
         with readable(path):
-            sources.append(file_bytes(path))
+            sources[str(path.resolve())] = file_bytes(path)
     controller = load_controller(files[0])
+    for file in included_files(sources, controller.root):
+        sources[file] = file_bytes(controller.root / file)
     workspace = workspace_of(controller, controller.settings)
     more, installed = definitions_of(shipped_drivers()), with_interfaces(workspace.installed)
     interfaces = Interfaces(workspace.interfaces, more, installed)
     folders = [folder for folder in include_folders(os.environ) if folder != out]
     is_ros2 = any(ros_version(path, controller.root) == 2 for path in files)
-    return make_headers(interfaces, sources, out, folders, 2 if is_ros2 else 1)
+    return make_headers(interfaces, sources.values(), out, folders, 2 if is_ros2 else 1)

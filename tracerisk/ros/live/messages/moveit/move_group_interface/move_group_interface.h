@@ -60,6 +60,7 @@ class MoveGroupInterface {
   const std::vector<std::string>& getActiveJoints() const { return group_->getVariableNames(); }
   const std::vector<std::string>& getVariableNames() const { return group_->getVariableNames(); }
   unsigned int getVariableCount() const { return getVariableNames().size(); }
+  const std::vector<std::string>& getLinkNames() const { return group_->getLinkModelNames(); }
   const std::vector<std::string>& getJointModelGroupNames() const
   {
     if (names_.empty()) names_ = model_->getJointModelGroupNames();

@@ -44,6 +44,12 @@ class PlanningSceneInterface {
     }
     return objects;
   }
+  std::map<std::string, of_ros::geometry_msg::Pose> getObjectPoses(const std::vector<std::string>& names)
+  {
+    std::map<std::string, of_ros::geometry_msg::Pose> poses;
+    for (const auto& object : getObjects(names)) poses[object.first] = object.second.pose;
+    return poses;
+  }
   // Return the attached objects of those names, or all.
   std::map<std::string, of_ros::moveit_msg::AttachedCollisionObject> getAttachedObjects(
       const std::vector<std::string>& names = {})

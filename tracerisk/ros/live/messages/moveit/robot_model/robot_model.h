@@ -15,19 +15,21 @@
 namespace moveit {
 namespace core {
 
-// A planning group: its name, and the joints that it moves.
+// A planning group: its name, the joints that it moves, and the links behind all of its joints.
 class JointModelGroup {
  public:
-  JointModelGroup(std::string name = {}, std::vector<std::string> joints = {})
-      : name_(std::move(name)), joints_(std::move(joints)) {}
+  JointModelGroup(std::string name = {}, std::vector<std::string> joints = {},
+                  std::vector<std::string> links = {})
+      : name_(std::move(name)), joints_(std::move(joints)), links_(std::move(links)) {}
   const std::string& getName() const { return name_; }
   const std::vector<std::string>& getVariableNames() const { return joints_; }
   const std::vector<std::string>& getActiveJointModelNames() const { return joints_; }
+  const std::vector<std::string>& getLinkModelNames() const { return links_; }
   std::size_t getVariableCount() const { return joints_.size(); }
 
  private:
   std::string name_;
-  std::vector<std::string> joints_;
+  std::vector<std::string> joints_, links_;
 };
 
 // The groups, named states and end effectors of the robot, as its parameters describe them.
@@ -124,24 +126,24 @@ class RobotModel {
   void readGroups(const std::vector<Tag>& srdf)
   {
     std::string group, state, of;
-    std::map<std::string, std::vector<std::string>> joints;
+    std::map<std::string, std::vector<std::string>> links;
     std::map<std::string, std::string> ends;
     for (const Tag& tag : srdf) {
       const std::string& is = tag.at("<");
       if (is == "group" && group.empty()) {
         group = tag.count("/") ? "" : tag.at("name");
-        joints[tag.at("name")];
+        links[tag.at("name")];
       } else if (is == "group" && !group.empty()) {
-        for (const std::string& name : joints[tag.at("name")]) add(joints[group], name);
+        for (const std::string& link : links[tag.at("name")]) add(links[group], link);
       } else if (is == "/group") {
         group.clear();
       } else if (is == "chain") {
-        for (const std::string& name : chain(tag.at("base_link"), tag.at("tip_link"))) {
-          add(joints[group], name);
+        for (const std::string& link : chain(tag.at("base_link"), tag.at("tip_link"))) {
+          add(links[group], link);
         }
         tips_[group] = tag.at("tip_link");
       } else if (is == "link" && !group.empty() && joints_.count(tag.at("name"))) {
-        if (joints_[tag.at("name")].moves) add(joints[group], joints_[tag.at("name")].name);
+        add(links[group], tag.at("name"));
       } else if (is == "end_effector" && tag.count("parent_group")) {
         ends[tag.at("parent_group")] = tag.at("parent_link");
       } else if (is == "group_state") {
@@ -154,24 +156,28 @@ class RobotModel {
       } else if (is == "joint" && !group.empty()) {
         for (const auto& one : joints_) {
           if (one.second.name != tag.at("name")) continue;
-          if (one.second.moves) add(joints[group], one.second.name);
+          add(links[group], one.first);
           if (!tips_.count(group) || tips_[group] == one.second.parent) tips_[group] = one.first;
         }
       }
     }
     for (const auto& end : ends) tips_[end.first] = end.second;  // before the end of a chain
-    for (const auto& one : joints) groups_[one.first] = JointModelGroup(one.first, one.second);
+    for (const auto& one : links) {
+      std::vector<std::string> joints;
+      for (const std::string& link : one.second) {
+        if (joints_[link].moves) joints.push_back(joints_[link].name);
+      }
+      groups_[one.first] = JointModelGroup(one.first, joints, one.second);
+    }
   }
 
   std::vector<std::string> chain(const std::string& base, const std::string& tip) const
   {
-    std::vector<std::string> names;
-    for (std::string link = tip; link != base && joints_.count(link);) {
-      const Joint& joint = joints_.at(link);
-      if (joint.moves) names.insert(names.begin(), joint.name);
-      link = joint.parent;
+    std::vector<std::string> links;
+    for (std::string link = tip; link != base && joints_.count(link); link = joints_.at(link).parent) {
+      links.insert(links.begin(), link);
     }
-    return names;
+    return links;
   }
 
   static bool moves(const std::string& type) { return type != "fixed" && type != "floating"; }
