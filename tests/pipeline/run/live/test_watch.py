@@ -41,19 +41,22 @@ def test_a_node_that_waits_or_is_silent_goes_on(sends, waits_at_s):
     assert lived(sends=sends, waits_at_s=waits_at_s) is None
 
 
-def watched(spins: Any) -> Any:
+def watched(spins: Any, *, commands: bool = True, sends_at_s: float | None = None) -> Any:
     """Return how a run is over whose main thread spins alone at some seconds, and after how many.
 
-    Its only command arrives at once.
+    Its only command arrives at once; what it sends else is none.
     """
     clock = _Clock()
     threads = RemoteThreads(clock)  # type: ignore[arg-type]
     watch = RunWatch(threads, None)  # type: ignore[arg-type]
     main = Frame(FunctionRef("cell.cpp", QualifiedName("main")), 1, 1, (2, 0), "main")
-    watch.issued(1, (main,), (0.5,))
-    watch.ended(1, "arrived")
+    if commands:
+        watch.issued(1, (main,), (0.5,))
+        watch.ended(1, "arrived")
     for second in range(int(3 * IDLE_S)):
         clock.now_ns = int(second * 1e9)
+        if second == sends_at_s:
+            threads.stirred()
         threads.spins(alone=spins(second))
         watch.time_passed()
         if threads.over is not None:
@@ -70,3 +73,9 @@ def test_a_callback_that_waits_for_long_is_waited_for(lasts_s):
     begins_s = 5
     ends_s = begins_s + lasts_s
     assert watched(lambda second: not begins_s <= second < ends_s) == ("idle", ends_s + IDLE_S)
+
+
+@pytest.mark.parametrize(("sends_at_s", "cause"), [(None, "quiescent"), (5, "no_motion")])
+def test_a_node_that_never_commanded_and_only_spins_comes_to_rest(sends_at_s, cause):
+    over = watched(lambda _: True, commands=False, sends_at_s=sends_at_s)
+    assert over == (cause, IDLE_S)

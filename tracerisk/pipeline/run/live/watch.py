@@ -59,7 +59,14 @@ class RemoteThreads:
         """Do nothing: the controller is ended from outside."""
 
     def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
-        """Note that the run is over."""
+        """Note that the run is over.
+
+        Where the main thread spins and has sent nothing since, nothing can happen any more: that is
+        a good end without a command too.
+        """
+        since_ns = self.main.spins_since_ns
+        if cause == "no_motion" and since_ns is not None and self.last_ns <= since_ns:
+            cause, message = "quiescent", "the controller spins, and has sent nothing since"
         if self.over is None:
             self.over = RunOver(cause, message, location)
 
