@@ -188,6 +188,11 @@ def test_a_folder_of_the_workspace_is_not_taken_for_the_simulator(example, light
     assert light("run", "bare.py").err == f"tracerisk: running a controller {SIMULATOR}\n"
 
 
+def test_what_is_wrong_with_a_fault_is_said_before_what_is_missing(example, light):
+    example.write("bare.py", "def home(arm):\n    arm.go()\n")
+    assert "expected UNIT:MODE@SECONDS" in light("run", "bare.py", "--fault", "nonsense").err
+
+
 def test_it_is_json_where_that_was_asked_for(example, light):
     example.write("bare.py", "def home(arm):\n    arm.go()\n")
     outcome = light("run", "bare.py", "--json")

@@ -455,7 +455,11 @@ def run_with_faults(
     the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
     """
     from tracerisk.common.dependencies import require_runs
+    from tracerisk.twin.faults.fault import parse_fault
 
+    for fault in faults:
+        # What is wrong with one is told before what is missing here.
+        parse_fault(fault)
     require_runs("running a controller")
     from tracerisk.pipeline.scenarios.fault_effect import run_with_faults
 

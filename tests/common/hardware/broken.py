@@ -42,12 +42,12 @@ BROKEN = (
     ),
     Broken(
         _one("temperature: {rated: 40, working: 55, activation_energy: 0.7}"),
-        "h.yaml:3:5: unknown key 'temperature' in components.a; it belongs into a mean time or a rate, as in mtbf: {value: 42000, unit: hour, temperature: {rated: 40, working: 55, activation_energy: 0.7}}",
+        "h.yaml:3:5: unknown key 'temperature' in components.a; it belongs in a mean time or a rate, as in mtbf: {value: 42000, unit: hour, temperature: {rated: 40, working: 55, activation_energy: 0.7}}",
         True,
     ),
     Broken(
         _one("reference_load: 0.3"),
-        "h.yaml:3:5: unknown key 'reference_load' in components.a; it belongs into 'load_law'",
+        "h.yaml:3:5: unknown key 'reference_load' in components.a; it belongs in 'load_law'",
         True,
     ),
     Broken(

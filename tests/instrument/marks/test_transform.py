@@ -276,6 +276,7 @@ def _defines_functions(code: object) -> bool:
         (b"x = 1\n  y = 2\n", "c.py:2", "unexpected indent"),
         (b"return 3\n", "c.py:1:1", "'return' outside function"),
         (b"# coding: klingon\n", "c.py:1", "unknown encoding"),
+        (b"# coding: rot13\n", "c.py:1", "'rot13' is not a text encoding"),
         (b"x = 1\ny = '\xff'\n", "c.py:2:6", "byte 0xff is not utf-8"),
         (b"x = 1\0\n", "c.py", "null byte"),
         pytest.param(

@@ -17,9 +17,10 @@ HELPER = "def act():\n    pass\n"
         ("def act(:\n", {"c.py"}),
         (f"x = {'(' * 5000}1{')' * 5000}\n", {"c.py"}),
         ("\N{LATIN SMALL LETTER E WITH ACUTE} = 1\n".encode("latin-1"), {"c.py"}),
+        (f"{HELPER}x = [{'0.1, ' * 12_000}]\n", {"c.py"}),
         (HELPER + "x = 1\n" * 50_000, set()),
     ],
-    ids=["plain", "broken", "nested", "not UTF-8", "large"],
+    ids=["plain", "broken", "nested", "not UTF-8", "long", "large"],
 )
 def test_what_can_be_is_instrumented_ahead_unless_it_is_much(tmp_path, helper, ahead):
     helper = helper if isinstance(helper, bytes) else helper.encode()

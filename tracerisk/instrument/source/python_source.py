@@ -202,6 +202,8 @@ def _decode(source: bytes, file: str) -> str:
         ) from error
     try:
         return source.decode(encoding)
+    except LookupError as error:
+        raise SourceError(f"{error}; save the file as UTF-8", Location(file, 1)) from error
     except UnicodeDecodeError as error:
         before = source[: error.start]
         line_start = max(before.rfind(b"\n"), before.rfind(b"\r")) + 1

@@ -70,6 +70,8 @@ _FIGURES = "module://tracerisk.ros.controller.unseen_windows"
 _GRACE_S = 2.0
 _MOST_AHEAD = 200_000
 """How much of a controller's sources is instrumented before its run [bytes]."""
+_MOST_OF_FILE = 50_000
+"""How long each of them may be [bytes]: some of that length take seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,8 +250,8 @@ def run_request(
 def instrumented_ahead(controller: Controller) -> dict[str, str]:
     """Return the instrumented texts of what the run may compile, so that it needs no libcst.
 
-    What cannot be instrumented is left to the run, which fails where it is imported, and so is a
-    large project, of which a run may import a small part.
+    What cannot be instrumented is left to the run, which fails where it is imported. So is a long
+    file, and a large project, of which a run may import a small part.
     """
     root = controller.root.resolve()
     modules = (path for path in own_modules(controller) if path.is_relative_to(root))
@@ -259,6 +261,8 @@ def instrumented_ahead(controller: Controller) -> dict[str, str]:
         return {}
     texts = {}
     for file, source in sources.items():
+        if len(source) > _MOST_OF_FILE:
+            continue
         with contextlib.suppress(TraceRiskError):
             texts[source_key(file, source)] = instrument_source(source, file).text
     return texts

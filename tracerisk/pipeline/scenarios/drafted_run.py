@@ -227,8 +227,8 @@ def _when(entry: Mapping[str, Any]) -> str:
 
     What comes while nobody waits for it has no effect, and a run goes on without it.
     """
-    count = entry.get("count", len(entry.get("messages", ())))
     if "rate" in entry:
+        count = entry.get("count")
         return f"{entry['rate']:g} times a second" + (f", {count} times" if count else "")
     if "at" in entry:
         at = entry["at"] if isinstance(entry["at"], list) else [entry["at"]]

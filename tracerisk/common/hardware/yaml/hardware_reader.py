@@ -122,7 +122,7 @@ def _level_hint(key: str, value: object) -> str:
     """Return where a key of a component belongs, or how a data sheet's figure is written, if so."""
     holders = (holder for holder, keys in _WITHIN.items() if key in keys)
     holder = next(holders, "")
-    return f"it belongs into {holder}" if holder else sheet_hint(key, value)
+    return f"it belongs in {holder}" if holder else sheet_hint(key, value)
 
 
 def _quantity(entry: YamlMap, twin: TwinBinding | None) -> int | None:
