@@ -226,6 +226,18 @@ def test_the_joint_of_the_driver_is_that_of_the_gripper(tmp_path, said, joint):
     assert robot.joint(joint).upper == 0.8
 
 
+@pytest.mark.parametrize(
+    ("said", "gripper"),
+    [("robotiq_85_left_knuckle_joint", "robotiq_2f_85"), ("left_knuckle_joint", "gripper")],
+)
+def test_a_gripper_whose_joint_is_named_is_that_one(tmp_path, said, gripper):
+    (tmp_path / "press.py").write_text(f"JOINTS = [{said!r}]\n{CONTROLLER}")
+    robot = choose_robot(api.load_controller(tmp_path / "press.py"), Settings()).robot
+    assert [one.name for one in robot.grippers] == [gripper]
+    assert robot.grippers[0].joints[0] == said
+    assert has_assumed_gripper(robot) == (gripper == "gripper")
+
+
 @pytest.mark.parametrize("name", shipped_grippers())
 def test_each_gripper_fits_an_arm_and_is_as_wide_as_on_its_own(name):
     robot, own = named_robot(f"ur5e+{name}"), load_robot(shipped_grippers()[name])

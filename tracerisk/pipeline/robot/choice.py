@@ -26,6 +26,7 @@ from tracerisk.twin.robots.added_gripper import (
     named_robot,
     with_assumed_gripper,
     with_finger_joint,
+    with_named_gripper,
 )
 from tracerisk.twin.robots.assumed_names import HAND
 from tracerisk.twin.robots.generic import NAME as GENERIC
@@ -150,9 +151,13 @@ def with_groups_asked(robot: Robot, asked: Collection[str]) -> Robot:
 
 
 def equipped(robot: Robot, controller: Controller) -> Robot:
-    """Return a robot, with an assumed gripper if it has none and the controller commands one."""
+    """Return a robot, with a gripper if it has none and the controller commands one.
+
+    It is the shipped one whose joint the controller names, else an assumed one.
+    """
     if not robot.grippers and commands_gripper(controller.tree):
-        return with_assumed_gripper(robot, names_asked(controller.tree).joints)
+        joints = names_asked(controller.tree).joints
+        return with_named_gripper(robot, joints) or with_assumed_gripper(robot, joints)
     if ADDED in robot.name:
         return with_finger_joint(robot, names_asked(controller.tree).joints)
     return robot

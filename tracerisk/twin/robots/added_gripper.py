@@ -175,6 +175,29 @@ def with_shipped_gripper(robot: Robot, name: str) -> Robot:
     )
 
 
+def with_named_gripper(robot: Robot, joints: Iterable[str]) -> Robot | None:
+    """Return an arm with the shipped gripper of which a controller names a joint, else None.
+
+    It is None, too, where the arm has a link or joint of the same name.
+    """
+    names = frozenset(joints)
+    for name, bearer in shipped_grippers().items():
+        own = next(one for one in load_robot(bearer).grippers if one.name == name).joints
+        named = next((joint for joint in own if joint in names), None)
+        if named is None:
+            continue
+        borne = replace(with_shipped_gripper(robot, name), name=robot.name)
+        parts = [*borne.link_names, *(one.name for one in borne.attachments)]
+        if len({*parts}) < len(parts):
+            return None
+        return replace(
+            borne,
+            chosen_by=f"{robot.chosen_by}; its gripper is {name}, whose joint {named} the "
+            "controller names",
+        )
+    return None
+
+
 def with_finger_joint(robot: Robot, joints: Iterable[str]) -> Robot:
     """Return a robot with an added gripper whose joint has the name that a controller has for it.
 
