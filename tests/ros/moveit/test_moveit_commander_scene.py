@@ -42,6 +42,20 @@ empty = scene.get_known_object_names()
     assert ran["empty"] == []
 
 
+def test_what_is_given_in_an_unknown_frame_is_left_out_and_told(run):
+    """As by move_group, which logs it: the program goes on."""
+    ran = run(
+        SCENE
+        + """
+place.header.frame_id = "table"
+scene.add_box("box", place)
+names = scene.get_known_object_names()
+"""
+    )
+    assert ran["names"] == []
+    assert "'box' is given in the unknown frame 'table'; allowed: panda_hand" in ran.findings[0]
+
+
 def test_every_client_sees_the_same_scene(run):
     ran = run(
         SCENE

@@ -112,7 +112,7 @@ class Placeholder:
     def __getitem__(self, key: Any) -> Any:
         is_index = hasattr(key, "__index__") and not isinstance(key, Placeholder)
         if isinstance(key, slice):
-            return self._part(key)
+            return _Part(self._part(key))
         if is_index:
             return self._numbers()[key]
         return Placeholder(f"{self._placeholder[0]}[]", self._placeholder[1])
@@ -192,6 +192,13 @@ class Placeholder:
 
     def __repr__(self) -> str:
         return f"<a placeholder for {self._placeholder[0]}>"
+
+
+class _Part(list[float]):
+    """Some numbers of a placeholder: a list, which may as well be an array."""
+
+    def tolist(self) -> list[float]:
+        return [*self]
 
 
 class _Item(float):

@@ -121,7 +121,7 @@ class SceneChanges:
             if refusal is not None:
                 self._report(refusal, "")
             return scene.remove(message.id)
-        place = self._placed(message)
+        place = self.placed(message)
         if place is None:
             return False
         if operation == _MOVE:
@@ -131,6 +131,24 @@ class SceneChanges:
             return True
         scene.add(SceneObject(message.id, place, message))
         return True
+
+    def placed(self, message: Any) -> Pose | None:
+        """Return where a CollisionObject is in the planning frame; None in an unknown frame.
+
+        What is given in one is left out, as by move_group, and whoever sent it goes on.
+        """
+        name = message.header.frame_id
+        frame = self.frame(name) or self.assumed_base(name)
+        if frame is None:
+            self._report(
+                f"object '{message.id}' is given in the unknown frame '{name}'; "
+                f"{one_of(self._robot.link_names, name)}",
+                "",
+            )
+            return None
+        # Objects of the older form have no pose of their own, only their shapes do.
+        own = message_pose(message.pose)
+        return compose(frame, first_pose(message) or own)
 
     def apply_attached(self, message: Any) -> bool:
         """Apply an AttachedCollisionObject: attach or detach; return whether it was done."""
@@ -151,20 +169,6 @@ class SceneChanges:
             self._report(error.message, item.id)
             return False
         return attach or self._unknown(item.id, "attached")
-
-    def _placed(self, message: Any) -> Pose | None:
-        name = message.header.frame_id
-        frame = self.frame(name) or self.assumed_base(name)
-        if frame is None:
-            self._report(
-                f"object '{message.id}' is given in the unknown frame '{name}'; "
-                f"{one_of(self._robot.link_names, name)}",
-                "",
-            )
-            return None
-        # Objects of the older form have no pose of their own, only their shapes do.
-        own = message_pose(message.pose)
-        return compose(frame, first_pose(message) or own)
 
     def _unknown(self, name: str, what: str) -> bool:
         self._report(

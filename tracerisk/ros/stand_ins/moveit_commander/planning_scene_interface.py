@@ -18,12 +18,9 @@ from moveit_msgs.msg import (
 from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from tracerisk.common.geometry.triangle_mesh import read_triangles
-from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import fill_poses
-from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.scene.planning_scene import SceneObject
-from tracerisk.ros.transforms.poses import compose
 
 from . import conversions
 from ._server import report_unknown, server
@@ -355,13 +352,17 @@ class PlanningSceneInterface:
             if refusal is not None:
                 self._server.execution.report("planning_scene", refusal, object_name=message.id)
             scene.remove(message.id)
-        elif message.operation == CollisionObject.MOVE:
-            if not scene.move(message.id, self._placed(message)):
+            return
+        place = self._server.changes.placed(message)
+        if place is None:
+            return
+        if message.operation == CollisionObject.MOVE:
+            if not scene.move(message.id, place):
                 self._server.lack(message.id, report_unknown(message.id, "moved"))
         elif message.operation == CollisionObject.APPEND and message.id in scene.world:
             scene.append(message.id, message)
         else:
-            scene.add(SceneObject(message.id, self._placed(message), message))
+            scene.add(SceneObject(message.id, place, message))
 
     def _change_attached(self, message: Any) -> None:
         item, scene = message.object, self._server.scene
@@ -376,21 +377,6 @@ class PlanningSceneInterface:
             self._server.detach(item.id)
         if not self._server.attach(item.id, message.link_name, message.touch_links):
             self._server.lack(item.id, report_unknown(item.id, "attached"))
-
-    def _placed(self, message: Any) -> Any:
-        frame = self._server.frame(message.header.frame_id)
-        if frame is None:
-            links = self._server.robot.link_names
-            name = message.header.frame_id
-            raise MoveItCommanderException(
-                f"object '{message.id}' is given in the unknown frame '{name}'; "
-                f"{one_of(links, name)}"
-            )
-        pose = message.pose
-        # Objects of the older form have no pose of their own, only their shapes do.
-        poses = [*message.primitive_poses, *message.mesh_poses, *message.plane_poses]
-        empty = message_pose(pose) == message_pose(type(pose)())
-        return compose(frame, message_pose(poses[0] if empty and poses else pose))
 
 
 def _primitive(name: str, pose: Any, kind: int, dimensions: Sequence[float]) -> Any:
