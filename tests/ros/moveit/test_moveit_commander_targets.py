@@ -472,6 +472,24 @@ def test_a_finger_of_a_generic_arm_goes_to_the_end_of_its_assumed_range(example)
     assert any("instead of 1: its range is assumed" in said["words"] for said in verdict["reasons"])
 
 
+@pytest.mark.parametrize(
+    "place",
+    [[3.4, -0.4, 0.6, 0.0, 0.6, -3.15], [2.7, -1.57, 1.46, 1.22, 1.64, -3.15]],
+    ids=["beyond half a turn", "folded"],
+)
+def test_a_generic_arm_goes_where_the_lists_of_the_program_say(example, place):
+    """Those of Universal Robots turn a whole turn; what is assumed is no fault of a program."""
+    example.write(
+        "c.py",
+        "import rospy, moveit_commander\n"
+        "rospy.init_node('c')\n"
+        f"moveit_commander.MoveGroupCommander('manipulator').go({place}, wait=True)\n",
+    )
+    ran = example.run("trace", "c.py", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    assert {said["code"] for said in ran.json["verdict"]["reasons"]} == {"robot-assumed"}
+
+
 @pytest.mark.slow(but=1)
 @pytest.mark.parametrize("value", ["nan", "inf"])
 def test_a_finger_of_a_generic_arm_goes_to_no_end_for_what_is_no_number(example, value):

@@ -12,11 +12,13 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 from types import MappingProxyType
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.instrument.source.literals.bounds import whole
-from tracerisk.instrument.source.literals.named_literals import counted_names
+from tracerisk.instrument.source.literals.comparisons import is_number
+from tracerisk.instrument.source.literals.named_literals import counted_names, literal_value
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.robot_parts import (
@@ -111,6 +113,8 @@ class NamesAsked:
     """The names of links and tool frames."""
     count: int = 0
     """How many joints the arm has by the lists of positions in the source; 0 where none says."""
+    wide: frozenset[int] = frozenset()
+    """How many numbers the lists have that go beyond half a turn, and not beyond a whole one."""
 
 
 def names_asked(tree: ast.Module | None) -> NamesAsked:
@@ -138,7 +142,17 @@ def names_asked(tree: ast.Module | None) -> NamesAsked:
         tuple(joints),
         tuple(name for name in dict.fromkeys(frames) if name not in joints),
         _counted_joints(tree),
+        frozenset(_wide(tree)),
     )
+
+
+def _wide(tree: ast.AST) -> Iterator[int]:
+    """Yield how many numbers each list has that goes beyond half a turn: joints of an UR do."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.List | ast.Tuple) and _FINGERS < len(node.elts) <= _MOST_JOINTS:
+            numbers = [value for value in map(literal_value, node.elts) if is_number(value)]
+            if len(numbers) == len(node.elts) and math.pi < max(map(abs, numbers)) <= math.tau:
+                yield len(numbers)
 
 
 def _nodes_named(tree: ast.AST) -> Iterator[str]:
@@ -251,6 +265,8 @@ def generic_arm(asked: NamesAsked) -> Robot:
     fingers = fingers or ("gripper_finger_joint",)
     # A shorter arm is the first axes of the longer one.
     axes = [axis_figures(index) for index in range(len(names))]
+    if len(names) in asked.wide:
+        axes = [replace(axis, range_rad=math.tau) for axis in axes]
     arm_links = [f"generic_link{index + 1}" for index in range(len(names))]
     base = "base_link"
     parents = (base, *arm_links[:-1])
@@ -310,6 +326,8 @@ def generic_arm(asked: NamesAsked) -> Robot:
         ),
         default_scaling=DEFAULT_SCALING,
         default_scene="empty",
+        # Outlines that nobody knows say nothing about which of them meet.
+        disabled_collisions=frozenset(combinations(sorted((base, *arm_links)), 2)),
         file="tracerisk/twin/robots/generic.py",
         approximate=True,
         assumes_names=True,
