@@ -116,6 +116,12 @@ def test_moveit_does_not_compare_the_first_and_the_last_wrist_of_a_ur(arm):
     assert ("shoulder_link", "wrist_1_link") not in load_robot(arm).disabled_collisions
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_moveit_does_not_compare_the_shoulder_and_the_elbow_of_baxter(side):
+    joints = [f"{side}_{name}" for name in ("s0", "s1", "e0", "e1", "w0", "w1", "w2")]
+    assert not colliding("baxter", joints, (0.0, 0.9, 0.0, 0.0, 0.0, 0.5, 0.0))
+
+
 def test_a_pair_of_a_link_that_there_is_not_is_refused(tmp_path):
     text = (SHIPPED / "ur5e.yaml").read_text(encoding="utf-8")
     path = tmp_path / "ur5e.yaml"

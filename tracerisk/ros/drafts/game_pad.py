@@ -18,7 +18,8 @@ def pressed_in_turn(message: Mapping[str, Any], compared: Compared) -> list[dict
     """Return messages of a game pad, of the axes and buttons that the code reads by their index.
 
     A dead man's button, whichever it is, is held while the sticks are moved. They go to and fro:
-    what is moved by them does not run away.
+    what is moved by them does not run away. Each button is held twice, for one may do nothing
+    until another has begun a mode.
     """
     axes, buttons = (_read(compared, name) for name in ("axes", "buttons"))
     n_axes = max(len(message["axes"]), *(index + 1 for index in axes or _FIRST))
@@ -33,7 +34,7 @@ def pressed_in_turn(message: Mapping[str, Any], compared: Compared) -> list[dict
             "axes": [value if number % 2 == 0 else -value + 0.0 for value in moved],
             "buttons": pressed,
         }
-        for number, pressed in enumerate(([0] * n_buttons, [0] * n_buttons, *alone))
+        for number, pressed in enumerate(([0] * n_buttons, [0] * n_buttons, *alone, *alone))
     ]
 
 
