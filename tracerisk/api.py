@@ -458,7 +458,7 @@ def run_with_faults(
     from tracerisk.twin.faults.fault import parse_fault
 
     for fault in faults:
-        # What is wrong with one is told before what is missing here.
+        # What is wrong with one is said before what is missing here.
         parse_fault(fault)
     require_runs("running a controller")
     from tracerisk.pipeline.scenarios.fault_effect import run_with_faults

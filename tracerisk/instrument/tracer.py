@@ -62,8 +62,8 @@ class Frame:
         return ((self.function.file, self.site), *self.through)
 
 
-_TURNS_TOLD = 100
-"""The turns of loops that `on_turns` is told of at once."""
+_TURNS_AT_ONCE = 100
+"""The turns of loops that `on_turns` gets at once."""
 _LOOK_COST = 1000
 """For how many turns one counts of a loop that only looks: in Python they take about 1 ms."""
 
@@ -189,10 +189,10 @@ class Tracer:
     def turned(self) -> None:
         """Count a turn of a loop; instrumented loops call this."""
         self._turns += 1
-        if self._turns == _TURNS_TOLD:
+        if self._turns == _TURNS_AT_ONCE:
             self._turns = 0
             if self.on_turns is not None:
-                self.on_turns(_TURNS_TOLD)
+                self.on_turns(_TURNS_AT_ONCE)
 
     @hide
     def waited(self) -> None:

@@ -260,12 +260,12 @@ def test_a_lifecycle_node_is_configured_and_then_activated(values):
     assert transitions == [{"id": 1, "label": "configure"}, {"id": 3, "label": "activate"}]
 
 
-def test_each_button_of_a_game_pad_is_held_while_the_sticks_are_moved(values):
+def test_each_button_of_a_game_pad_is_held_twice_while_the_sticks_are_moved(values):
     need = Need("topic", "/joy", "sensor_msgs/Joy")
     (found,) = drafts([Missed(need, 0, 0, None)], Interfaces(), values)
     sent = found.value["messages"]
     assert all(any(each["axes"]) for each in sent)
-    assert [sum(each["buttons"]) for each in sent] == [0, 0, *[1] * 12]
+    assert [sum(each["buttons"]) for each in sent] == [0, 0, *[1] * 24]
     assert found.value["count"] == len(sent)
     assert sum(each["axes"][0] for each in sent) == pytest.approx(0.0)
 
@@ -283,7 +283,7 @@ def test_a_game_pad_moves_and_holds_what_the_code_reads(tmp_path, values):
     sent = found.value["messages"]
     assert sent[0]["axes"] == [0.0, 0.6, 0.0, 0.6, 0.0, 0.0, 0.0, 1.0]
     assert [[at for at, on in enumerate(each["buttons"]) if on] for each in sent] == [
-        [], [], [4], [13],
+        [], [], [4], [13], [4], [13],
     ]  # fmt: skip
 
 

@@ -183,7 +183,7 @@ def test_the_joints_cut_out_of_the_numbers_of_a_chain_are_the_posture(absent, pa
 
 def test_a_part_of_the_numbers_may_be_an_array_or_a_list(absent):
     part = absent.chain.inverse_kinematics([1, 2, 3])[1:4]
-    assert part.tolist() == part + [] == [*POSTURE]
+    assert part.tolist() == part == [*POSTURE]
 
 
 def test_what_a_loop_takes_out_of_a_placeholder_is_a_number_that_has_attributes(absent):

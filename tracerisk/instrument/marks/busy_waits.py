@@ -48,4 +48,4 @@ def _only_looks(node: ast.stmt) -> bool:
         value = node.value
         is_said = isinstance(value, ast.Call) and last_name(value.func) in _SAYS
         return is_said or isinstance(value, ast.Constant)
-    return isinstance(node, ast.Pass | ast.Continue | ast.Break)
+    return isinstance(node, ast.Pass | ast.Continue | ast.Break | ast.Return | ast.Raise)
