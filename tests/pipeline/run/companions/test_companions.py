@@ -168,6 +168,14 @@ def test_nodes_of_the_workspace_are_started_beside_a_controller_that_waits_for_t
     assert stale_reasons(inputs, controller, settings) == ("scripts/turner.py has changed",)
 
 
+def test_a_companion_that_waits_without_a_call_hears_what_it_waits_for(cell):
+    wait = "    while not states:\n        n = 0\n"
+    cell.write("scripts/finder.py", FINDER.replace("    rospy.Service", f"{wait}    rospy.Service"))
+    outcome, found = trace(cell, "scripts/pick.py", "--stall-limit", "5")
+    assert outcome.code == 0, outcome.err
+    assert names(found) == ["reach", "turn"]
+
+
 @pytest.mark.slow
 def test_a_run_with_companions_is_the_same_twice(cell):
     _, found = trace(cell, "scripts/pick.py")

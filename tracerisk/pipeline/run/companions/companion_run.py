@@ -7,6 +7,7 @@ the function of the controller that asked it.
 
 from __future__ import annotations
 
+import ast
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -17,6 +18,8 @@ from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.printable import cut
 from tracerisk.instrument.loader import package_of
+from tracerisk.instrument.marks.busy_waits import mark_turns
+from tracerisk.instrument.marks.instrumented import TRACER_MODULE
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.tracer import Frame
@@ -130,7 +133,9 @@ def _execute(script: Path, root: Path) -> None:
     package, _ = package_of(script)
     if package:
         namespace["__package__"] = package
-    exec(compile(source, str(script), "exec", dont_inherit=True), namespace)
+    tree = ast.parse(source, str(script))
+    mark_turns(tree, TRACER_MODULE)
+    exec(compile(tree, str(script), "exec", dont_inherit=True), namespace)
     if entry is not None:
         sys.exit(namespace[entry.function]())
 
