@@ -5,7 +5,7 @@ import ast
 import pytest
 
 from tracerisk.instrument.loader import run_controller
-from tracerisk.instrument.marks.busy_waits import only_looks
+from tracerisk.instrument.marks.busy_waits import mark_turns, only_looks
 from tracerisk.instrument.tracer import Tracer
 
 
@@ -51,3 +51,11 @@ def test_turns_of_a_loop_that_works_are_told_by_the_hundred(tmp_path):
 def test_a_turn_of_a_loop_that_looks_counts_for_a_thousand(tmp_path):
     source = "seen = iter([0, 0, 1])\nwhile not next(seen):\n    pass\n"
     assert turns_of(tmp_path, source) == [1000, 1000]
+
+
+@pytest.mark.parametrize("decorator", ["njit", "numba.jit(nopython=True)"])
+def test_a_function_that_is_compiled_is_left_as_it_is(decorator):
+    source = f"@{decorator}\ndef f(n):\n    while n > 0:\n        n -= 1\n"
+    tree = ast.parse(source)
+    mark_turns(tree, "marks")
+    assert ast.dump(tree) == ast.dump(ast.parse(source))

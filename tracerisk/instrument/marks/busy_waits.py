@@ -7,8 +7,9 @@ the controller runs, so that without a mark nothing would ever be received.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
+from tracerisk.instrument.marks.calls import is_compiled
 from tracerisk.instrument.marks.endless_loops import import_into
 from tracerisk.instrument.source.dotted_names import last_name
 
@@ -26,7 +27,7 @@ _SAYS = frozenset(
 def mark_turns(tree: ast.Module, module: str) -> None:
     """Insert the mark, imported from `module`, at the beginning of each turn of each `while`."""
     used: dict[str, str] = {}
-    for loop in [node for node in ast.walk(tree) if isinstance(node, ast.While)]:
+    for loop in list(_loops(tree)):
         name, mark = ("waited", WAITED) if only_looks(loop.body) else ("turned", TURNED)
         used[name] = mark
         call = ast.Expr(ast.Call(ast.Name(mark, ast.Load()), [], []))
@@ -34,6 +35,15 @@ def mark_turns(tree: ast.Module, module: str) -> None:
             ast.copy_location(node, loop.body[0])
         loop.body.insert(0, call)
     import_into(tree, module, used)
+
+
+def _loops(tree: ast.AST) -> Iterator[ast.While]:
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.While):
+            yield node
+        pending += [child for child in ast.iter_child_nodes(node) if not is_compiled(child)]
 
 
 def only_looks(body: Iterable[ast.stmt]) -> bool:

@@ -70,7 +70,7 @@ def marked_calls(tree: ast.Module) -> Iterator[MarkedCall]:
             elif name == "body":
                 inner = (scope, is_spare or _is_spare(node))
             for index, child in enumerate(value if isinstance(value, list) else [value]):
-                if not isinstance(child, ast.AST) or _is_compiled(child):
+                if not isinstance(child, ast.AST) or is_compiled(child):
                     continue
                 pending.append((child, *inner))
                 if isinstance(child, ast.Call) and names.may_command(child.func):
@@ -155,7 +155,8 @@ def _is_spare(node: ast.AST) -> bool:
     return isinstance(node, ast.ExceptHandler)
 
 
-def _is_compiled(node: ast.AST) -> bool:
+def is_compiled(node: ast.AST) -> bool:
+    """Return whether a decorator makes something else than Python of a function."""
     return isinstance(node, _FUNCTIONS) and any(
         last_name(decorator.func if isinstance(decorator, ast.Call) else decorator)
         in COMPILING_DECORATORS
