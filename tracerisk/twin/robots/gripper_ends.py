@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class GripperEnds:
         return self.closed + share * (self.opened - self.closed)
 
 
+@lru_cache(maxsize=16)  # found from where the pads are, and asked for at each state of a gripper
 def gripper_ends(robot: Robot, gripper: Gripper) -> GripperEnds:
     """Return the ends of a gripper's range.
 

@@ -103,6 +103,10 @@ class Robot:
     masses: Masses | None = None
     """How far public sources of the masses differ; `None` where only one source is known."""
 
+    def __hash__(self) -> int:
+        # Of one field that is compared: what follows from a robot can be kept by it.
+        return hash(self.name)
+
     @property
     def is_described(self) -> bool:
         """Whether it is read from a description of its own, not shipped or generic."""

@@ -62,9 +62,6 @@ class BaxterDriver(TwinNode):
         self._timeout_s: dict[str, float] = {}
         self._grips: dict[str, tuple[str, str, int]] = {}
         self._calibrated: dict[str, bool] = {}
-        robot = self._twin.robot
-        # Found from where the pads are: too slow for each message of a gripper's state.
-        self._ends = {gripper.name: gripper_ends(robot, gripper) for gripper in robot.grippers}
         self._forces: dict[str, float] = {}
         self._outputs: dict[str, float] = {}
         self._takers: dict[str, Callable[[str, Any], None]] = {
@@ -200,7 +197,7 @@ class BaxterDriver(TwinNode):
 
     def _grip(self, topic: str, gripper: Gripper, percent: float) -> None:
         part = min(max(percent, 0.0), 100.0) / 100
-        goal = self._ends[gripper.name].position(part)
+        goal = gripper_ends(self._twin.robot, gripper).position(part)
         effort = gripper.effort * max(self._forces.get(_side(topic), 40.0), 1.0) / 100
         try:
             motion = self._twin.move_gripper(gripper.name, goal, max_effort=effort)
@@ -271,7 +268,7 @@ class BaxterDriver(TwinNode):
         message.id, message.enabled, message.ready = 65538, int(self._enabled), 1
         message.calibrated = int(self._calibrated.get(side, True))
         message.moving = int(speed > 1e-3)
-        message.position = 100.0 * self._ends[gripper.name].share(position)
+        message.position = 100.0 * gripper_ends(self._twin.robot, gripper).share(position)
         command, sender, sequence = self._grips.get(side, ("", "", 0))
         # Fingers that press and stand still between their ends hold something.
         holds = effort > 0.1 * gripper.effort and 2.0 < message.position < 98.0
