@@ -10,7 +10,7 @@ import ast
 from collections.abc import Iterable, Iterator
 
 from tracerisk.instrument.marks.calls import is_compiled
-from tracerisk.instrument.marks.endless_loops import import_into
+from tracerisk.instrument.marks.endless_loops import begin_with_call, import_into
 from tracerisk.instrument.source.dotted_names import last_name
 
 TURNED = "__tracerisk_turned__"
@@ -30,10 +30,7 @@ def mark_turns(tree: ast.Module, module: str) -> None:
     for loop in list(_loops(tree)):
         name, mark = ("waited", WAITED) if only_looks(loop.body) else ("turned", TURNED)
         used[name] = mark
-        call = ast.Expr(ast.Call(ast.Name(mark, ast.Load()), [], []))
-        for node in (call, call.value, call.value.func):  # type: ignore[attr-defined]
-            ast.copy_location(node, loop.body[0])
-        loop.body.insert(0, call)
+        begin_with_call(loop.body, mark)
     import_into(tree, module, used)
 
 

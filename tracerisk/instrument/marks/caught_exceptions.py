@@ -21,7 +21,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.marks.call_log import Calls
 from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
-from tracerisk.instrument.marks.endless_loops import import_into
+from tracerisk.instrument.marks.endless_loops import begin_with_call, import_into
 from tracerisk.instrument.marks.tried_again import is_tried_until_success
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.python_source import parsed
@@ -68,10 +68,7 @@ def mark_handlers(tree: ast.Module, module: str) -> None:
     """Insert the report, imported from `module`, at the beginning of each `except` clause."""
     handlers = [node for node in ast.walk(tree) if isinstance(node, ast.ExceptHandler)]
     for handler in handlers:
-        report = ast.Expr(ast.Call(ast.Name(CAUGHT, ast.Load()), [], []))
-        for node in (report, report.value, report.value.func):  # type: ignore[attr-defined]
-            ast.copy_location(node, handler.body[0])
-        handler.body.insert(0, report)
+        begin_with_call(handler.body, CAUGHT)
     import_into(tree, module, {"caught": CAUGHT} if handlers else {})
 
 

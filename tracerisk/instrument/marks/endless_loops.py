@@ -43,15 +43,18 @@ def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
     """
     loops = list(endless_loops(tree))
     for loop in loops:
-        call = ast.Call(
-            ast.Name(MARKER, ast.Load()), [ast.Constant(file), ast.Constant(loop.lineno)], []
-        )
-        marker = ast.Expr(call)
-        for node in ast.walk(marker):
-            if "lineno" in node._attributes:
-                ast.copy_location(node, loop.body[0])
-        loop.body.insert(0, marker)
+        begin_with_call(loop.body, MARKER, file, loop.lineno)
     import_into(tree, module, {"looped": MARKER} if loops else {})
+
+
+def begin_with_call(body: list[ast.stmt], name: str, *arguments: str | int) -> None:
+    """Insert a call before the first statement of a body, at the position of that."""
+    given: list[ast.expr] = [ast.Constant(argument) for argument in arguments]
+    call = ast.Expr(ast.Call(ast.Name(name, ast.Load()), given, []))
+    for node in ast.walk(call):
+        if "lineno" in node._attributes:
+            ast.copy_location(node, body[0])
+    body.insert(0, call)
 
 
 def import_into(tree: ast.Module, module: str, names: Mapping[str, str]) -> None:
