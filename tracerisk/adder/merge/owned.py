@@ -132,11 +132,8 @@ def _owned(
     then = _renamed(uses_of(before, entry.name), new_names)
     kept = before.owned.get(was.file, {}).get(was.name, {}).get(entry.name)
     if kept is None or not kept.is_of(now.value, now.reason):
-        ran = before.behind.functions or before.blocks
-        if (
-            was.name not in ran.get(was.file, {})
-            or before.behind.components.get(entry.name, data) != data
-        ):
+        is_of_data = before.behind.components.get(entry.name, data) == data
+        if was.name not in _ran(before, was.file) or not is_of_data:
             return now
         return now._replace(uses=then)
     kept = kept._replace(uses=_renamed(kept.uses, new_names))
@@ -156,15 +153,20 @@ def uses_of(entry: ControllerLock, component: str) -> Uses:
 
     A function that did not run uses nothing, whatever its block says of an earlier run.
     """
-    ran = entry.behind.functions or entry.blocks
     uses: dict[str, dict[str, str]] = {}
     for file, written in entry.blocks.items():
+        ran = _ran(entry, file)
         for name, block in written.items():
-            held = block.components.get(component) if name in ran.get(file, {}) else None
+            held = block.components.get(component) if name in ran else None
             text = None if held is None else held.values.get(PROBABILITY.key)
             if text is not None and float(text) > 0.0:
                 uses.setdefault(file, {})[name] = text
     return uses
+
+
+def _ran(entry: ControllerLock, file: str) -> Collection[str]:
+    """Return the functions of a file that ran; all with a block where the lock does not say."""
+    return (entry.behind.functions or entry.blocks).get(file, ())
 
 
 def _renamed(uses: Uses, new_names: Mapping[FunctionRef, FunctionRef]) -> Uses:
