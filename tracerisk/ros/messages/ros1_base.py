@@ -196,16 +196,13 @@ def copy_message(message: Message) -> Any:
     """Return a copy of a message that came over the wire, nested messages included."""
     made = type(message).__new__(type(message))
     for field in message._fields:
-        value = getattr(message, field.name)
-        if isinstance(value, list):
-            value = [_copied(item) for item in value]
-        else:
-            value = _copied(value)
-        setattr(made, field.name, value)
+        setattr(made, field.name, _copied(getattr(message, field.name)))
     return made
 
 
 def _copied(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_copied(item) for item in value]
     if isinstance(value, Message):
         return copy_message(value)
     # All that else comes over the wire cannot be changed.
