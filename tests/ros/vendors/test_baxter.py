@@ -35,6 +35,21 @@ pose = limb.endpoint_pose()['position']
     assert set(ran.commands) == {"joint_command"}
 
 
+def test_programs_for_the_simulator_wait_until_it_has_started(run_on):
+    ran = run_on(
+        "baxter",
+        HEAD
+        + """
+from std_msgs.msg import Empty
+started = []
+rospy.wait_for_message('/robot/sim/started', Empty)
+rospy.Subscriber('/robot/sim/started', Empty, started.append)
+rospy.sleep(2.0)
+""",
+    )
+    assert len(ran["started"]) == 1
+
+
 @pytest.mark.slow
 def test_velocities_last_for_the_timeout(run_on):
     ran = run_on(

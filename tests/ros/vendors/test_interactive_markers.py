@@ -43,7 +43,7 @@ ROS1 = "import rospy\nrospy.init_node('markers')\n" + BODY % (
     "",
     "publisher = rospy.Publisher('/goal/feedback', InteractiveMarkerFeedback, queue_size=5)\n"
     "rospy.Subscriber('/goal/update', InteractiveMarkerUpdate, updates.append)\nrospy.sleep(1.0)",
-    "moved.append",
+    "feedback_cb=moved.append",
     *["rospy.sleep(0.5)"] * 3,
 )
 _SPIN = "for _ in range(5):\n    rclpy.spin_once(node, timeout_sec=0.2)"

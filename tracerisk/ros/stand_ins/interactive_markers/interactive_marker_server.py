@@ -101,8 +101,14 @@ class InteractiveMarkerServer:
         marker: Any,
         feedback_callback: Any = -1,
         feedback_type: int = _DEFAULT,
+        *,
+        feedback_cb: Any = -1,
     ) -> None:
-        """Show a marker from the next `applyChanges` on, with a function for its feedback."""
+        """Show a marker from the next `applyChanges` on, with a function for its feedback.
+
+        ROS 1 calls that `feedback_cb`.
+        """
+        feedback_callback = feedback_cb if feedback_callback == -1 else feedback_callback
         shown = self.marker_contexts.get(marker.name)
         update = self.pending_updates.get(marker.name)
         if update is None or update.update_type == UpdateContext.ERASE:
@@ -149,9 +155,18 @@ class InteractiveMarkerServer:
             self.erase(name)
 
     def setCallback(
-        self, name: str, feedback_callback: Callback | None, feedback_type: int = _DEFAULT
+        self,
+        name: str,
+        feedback_callback: Callback | None = None,
+        feedback_type: int = _DEFAULT,
+        *,
+        feedback_cb: Callback | None = None,
     ) -> bool:
-        """Set the function for a kind of feedback of a marker, or for all others; None takes it."""
+        """Set the function for a kind of feedback of a marker, or for all others; None takes it.
+
+        ROS 1 calls it `feedback_cb`.
+        """
+        feedback_callback = feedback_callback or feedback_cb
         contexts = (self.marker_contexts.get(name), self.pending_updates.get(name))
         known = [context for context in contexts if context is not None]
         for context in known:

@@ -1,7 +1,7 @@
 """The driver of a Baxter on the graph: joint commands, states, grippers, head and IK services.
 
-Source: RethinkRobotics/baxter_common (baxter_core_msgs), baxter_interface (limb.py, gripper.py)
-and the SDK's wiki, "Arm Control Modes".
+Source: RethinkRobotics/baxter_common (baxter_core_msgs), baxter_interface (limb.py, gripper.py),
+baxter_simulator (baxter_sim_hardware/baxter_emulator.cpp) and the SDK's wiki, "Arm Control Modes".
 """
 
 # ruff: noqa: ARG002 - what reports a state is called with its topic
@@ -40,6 +40,7 @@ _TIMEOUT_S = 0.2  # of velocities, before joint_command_timeout
 _ELECTRIC = 2
 _SIDE = re.compile(r"/(left|right)(?:_gripper)?/")
 _IO = re.compile(r"^/robot/\w+/(\w+?)(?:_navigator)?/state$")
+_STARTED = "/robot/sim/started"  # baxter_simulator says so once, when its robot takes commands
 _INPUT = re.compile(r"button|cuff|sensor|sonar")
 _LOOK_S = 1e-3
 _NUMBERS = ("position", "moving_force")
@@ -110,6 +111,12 @@ class BaxterDriver(TwinNode):
         elif change == "subscribed" and type_name in self._tellers:
             sensors = JOINTS if type_name in _OF_JOINTS else ()
             self._report_on(name, type_name, _HZ, self._tellers[type_name], sensors)
+        elif change == "subscribed" and name == _STARTED and name not in self._reported:
+            self._reported.add(name)
+            started = self._graph.advertise(
+                name, type_name, node=self.node, latch=True, by_controller=False
+            )
+            started.publish(self._messages.new(type_name))
 
     # Commands
 
