@@ -62,6 +62,14 @@ def test_setup_cfg_and_pyproject_name_it_too(tmp_path):
     assert find_entry_point(script, source, tmp_path) == EntryPoint("main", "setup.cfg")
 
 
+def test_an_entry_is_called_though_the_module_makes_its_constants_by_functions(tmp_path):
+    (tmp_path / "setup.py").write_text("entries = ['mover = arm_task.mover:main']\n")
+    source = b"def above(z):\n    return z + 0.1\nHIGH = above(0.2)\ndef main(): pass\n"
+    script = tmp_path / "mover.py"
+    assert find_entry_point(script, source, tmp_path) == EntryPoint("main", "setup.py")
+    assert find_entry_point(script, source + b"main()\n", tmp_path) is None
+
+
 def test_another_modules_entry_is_not_taken(tmp_path):
     (tmp_path / "setup.py").write_text("entries = ['a = arm_task.other:start']\n")
     assert find_entry_point(tmp_path / "mover.py", b"def start(): pass\n", tmp_path) is None

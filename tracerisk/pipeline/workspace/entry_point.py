@@ -32,7 +32,7 @@ def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | No
 
     That is the one that `setup.py`, `setup.cfg` or `pyproject.toml` in `root` names for this
     module, else `main`. `None` where the script starts by itself: it asks for its `__name__`, or
-    its module-level code calls one of its functions.
+    its module-level code calls that function, or of one that nothing names any of its own.
     """
     tree = parsed(source)
     if tree is None:
@@ -42,12 +42,14 @@ def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | No
         for node in tree.body
         if isinstance(node, ast.FunctionDef) and not _required(node.args)
     }
-    if not startable or _starts_by_itself(tree):
+    if not startable or _asks_for_its_name(tree):
         return None
+    called = _called_at_once(tree)
     for console_script in console_scripts(root):
         if console_script.module == script.stem and console_script.function in startable:
-            return EntryPoint(console_script.function, console_script.file)
-    return EntryPoint(_MAIN, None) if _MAIN in startable else None
+            is_called = console_script.function in called
+            return None if is_called else EntryPoint(console_script.function, console_script.file)
+    return EntryPoint(_MAIN, None) if _MAIN in startable and not called else None
 
 
 def _required(arguments: ast.arguments) -> bool:
@@ -55,24 +57,26 @@ def _required(arguments: ast.arguments) -> bool:
     return positional > 0 or any(default is None for default in arguments.kw_defaults)
 
 
-def _starts_by_itself(tree: ast.Module) -> bool:
+def _asks_for_its_name(tree: ast.Module) -> bool:
+    # Not as in `get_logger(__name__)`, which starts nothing.
+    return any(
+        isinstance(node, ast.Name) and node.id == "__name__" and _is_compared(tree, node)
+        for node in _module_level(tree)
+    )
+
+
+def _called_at_once(tree: ast.Module) -> set[str]:
+    """Return which of its functions and classes the module-level code calls."""
     defined = {
         node.name
         for node in tree.body
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
     }
-    for node in _module_level(tree):
-        if isinstance(node, ast.Name) and node.id == "__name__":
-            # As in `get_logger(__name__)`, which starts nothing.
-            if _is_compared(tree, node):
-                return True
-        elif (
-            isinstance(node, ast.Call)
-            and isinstance(node.func, ast.Name)
-            and node.func.id in defined
-        ):
-            return True
-    return False
+    return defined & {
+        node.func.id
+        for node in _module_level(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    }
 
 
 def _is_compared(tree: ast.Module, name: ast.Name) -> bool:
