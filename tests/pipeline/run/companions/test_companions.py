@@ -368,7 +368,7 @@ rospy.init_node("front")
 try:
     rospy.wait_for_service("/turn", timeout=10)
 except rospy.ROSException:
-    sys.exit(1)
+    sys.exit(1)  # no turner
 turn = rospy.ServiceProxy("/turn", Trigger)
 """
 ASKED = {
@@ -404,11 +404,12 @@ on_answer()
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("end", ["sys.exit(1)", "rospy.logerr('no turner'); sys.exit()"])
 @pytest.mark.parametrize("asked", ASKED.values(), ids=ASKED)
-def test_a_companion_is_started_again_beside_what_is_drafted(example, asked):
+def test_a_companion_is_started_again_beside_what_is_drafted(example, asked, end):
     # Neither alone shows risk: the message moves nothing without the node, nor the node without it.
     example.write("package.xml", PACKAGE.format("cell"))
-    example.write("scripts/front.py", FRONT + asked)
+    example.write("scripts/front.py", FRONT.replace("sys.exit(1)  # no turner", end) + asked)
     example.write("scripts/turner.py", TURNER)
     outcome, found = trace(example, "scripts/front.py")
     assert outcome.code == 0, outcome.err
