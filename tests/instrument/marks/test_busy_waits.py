@@ -5,35 +5,67 @@ import ast
 import pytest
 
 from tracerisk.instrument.loader import run_controller
-from tracerisk.instrument.marks.busy_waits import mark_turns, only_looks
+from tracerisk.instrument.marks.busy_waits import Looks, mark_turns
 from tracerisk.instrument.tracer import Tracer
 
+MODULE = """
+class C:
+    def ready(self): return self.pose is not None and self.enough()
+    def enough(self):
+        if self.n > 3: return True
+        return False
+    def step(self):
+        self.n += 1
+        return self.n < 9
+    def wait(self):
+        while {test}:
+            {body}
+"""
+
+
+def only_looks(test, body):
+    tree = ast.parse(MODULE.format(test=test, body=body))
+    loop = next(node for node in ast.walk(tree) if isinstance(node, ast.While))
+    return Looks(tree).at(loop)
+
 
 @pytest.mark.parametrize(
-    "body",
+    ("test", "body"),
     [
-        "pass",
-        "continue",
-        "'a remark'",
-        "print('waiting')",
-        "rospy.loginfo_throttle(1, 'waiting')",
-        "if self.stopped: break",
-        "if self.pose: return self.pose",
-        "if a: pass\n    else: continue",
-        "while not b: pass",
+        ("not self.done", "pass"),
+        ("self.pose is None and not rospy.is_shutdown()", "continue"),
+        ("rclpy.ok()", "'a remark'"),
+        ("not self.ready()", "print('waiting', len(self.seen))"),
+        ("True", "rospy.loginfo_throttle(1, f'waiting for {self.pose}')"),
+        ("True", "if self.stopped: break"),
+        ("True", "if self.ready(): return self.step()"),
+        ("True", "if self.pose: self.step(); break"),
+        ("True", "if self.pose: raise RuntimeError('no pose')"),
+        ("a", "if a: pass\n            else: continue"),
+        ("a", "while not b: pass"),
     ],
 )
-def test_a_body_that_changes_nothing_only_looks(body):
-    tree = ast.parse(f"def f():\n  while not done:\n    {body}\n")
-    assert only_looks(tree.body[0].body[0].body)
+def test_a_loop_that_changes_nothing_only_looks(test, body):
+    assert only_looks(test, body)
 
 
 @pytest.mark.parametrize(
-    "body", ["n += 1", "work()", "del a[0]", "if a: work()", "for x in a: pass"]
+    ("test", "body"),
+    [
+        ("a", "n += 1"),
+        ("a", "work()"),
+        ("a", "del a[0]"),
+        ("a", "if a: work()"),
+        ("a", "for x in a: pass"),
+        ("self.step()", "pass"),
+        ("not self.done", "print(self.step())"),
+        ("robot.move()", "pass"),
+        ("(x := f)", "pass"),
+        ("a", "while b: self.step(); break"),
+    ],
 )
-def test_a_body_that_works_does_not(body):
-    tree = ast.parse(f"def f():\n  while not done:\n    {body}\n")
-    assert not only_looks(tree.body[0].body[0].body)
+def test_a_loop_that_works_does_not(test, body):
+    assert not only_looks(test, body)
 
 
 def turns_of(tmp_path, source: str) -> list[int]:
@@ -49,7 +81,10 @@ def test_turns_of_a_loop_that_works_are_told_by_the_hundred(tmp_path):
 
 
 def test_a_turn_of_a_loop_that_looks_counts_for_a_thousand(tmp_path):
-    source = "seen = iter([0, 0, 1])\nwhile not next(seen):\n    pass\n"
+    source = (
+        "class Seen:\n    n = 0\n    def __bool__(self):\n        Seen.n += 1\n"
+        "        return Seen.n > 2\nseen = Seen()\nwhile not seen:\n    pass\n"
+    )
     assert turns_of(tmp_path, source) == [1000, 1000]
 
 

@@ -7,7 +7,8 @@ the controller runs, so that without a mark nothing would ever be received.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
 
 from tracerisk.instrument.marks.calls import is_compiled
 from tracerisk.instrument.marks.endless_loops import begin_with_call, import_into
@@ -22,13 +23,31 @@ _SAYS = frozenset(
     {"print", "debug", "info", "warn", "warning", "logdebug", "loginfo", "logwarn", "logerr"}
     | {"logdebug_throttle", "loginfo_throttle", "logwarn_throttle", "logerr_throttle"}
 )
+_TELLS = frozenset(
+    {"abs", "all", "any", "bool", "float", "format", "hasattr", "getattr", "int", "isinstance"}
+    | {"is_alive", "is_set", "is_shutdown", "len", "max", "min", "ok", "round", "str", "sum"}
+)
+"""Calls that return what is so, and change nothing."""
+
+_Function = ast.FunctionDef | ast.AsyncFunctionDef
+_WORKS = (ast.NamedExpr, ast.Yield, ast.YieldFrom, ast.Await)
+_STILL = (
+    *(ast.Pass, ast.Continue, ast.Break),
+    *(ast.expr_context, ast.operator, ast.unaryop, ast.boolop, ast.cmpop),
+)
+_LEAVE_LOOP = (ast.Return, ast.Raise, ast.Break)
+_LEAVE_ALL = (ast.Return, ast.Raise)
+
+Leaving: TypeAlias = "tuple[type[ast.stmt], ...]"
 
 
 def mark_turns(tree: ast.Module, module: str) -> None:
     """Insert the mark, imported from `module`, at the beginning of each turn of each `while`."""
     used: dict[str, str] = {}
-    for loop in list(_loops(tree)):
-        name, mark = ("waited", WAITED) if only_looks(loop.body) else ("turned", TURNED)
+    loops = list(_loops(tree))
+    looks = Looks(tree) if loops else None
+    for loop in loops:
+        name, mark = ("waited", WAITED) if looks and looks.at(loop) else ("turned", TURNED)
         used[name] = mark
         begin_with_call(loop.body, mark)
     import_into(tree, module, used)
@@ -43,16 +62,60 @@ def _loops(tree: ast.AST) -> Iterator[ast.While]:
         pending += [child for child in ast.iter_child_nodes(node) if not is_compiled(child)]
 
 
-def only_looks(body: Iterable[ast.stmt]) -> bool:
-    """Return whether a loop with this body changes nothing: only others can end it."""
-    return all(map(_only_looks, body))
+class Looks:
+    """Tells which loops of a module change nothing by their turns.
+
+    A call of one of its own functions does what that function does, as if it stood there. What
+    is done as a loop is left is done once.
+    """
+
+    def __init__(self, tree: ast.Module) -> None:
+        self._own: dict[str, list[_Function]] = {}
+        for node in ast.walk(tree):
+            if isinstance(node, _Function):
+                self._own.setdefault(node.name, []).append(node)
+        self._known: dict[str, bool] = {}
+
+    def at(self, loop: ast.While) -> bool:
+        """Return whether a loop only looks: only others can end it."""
+        return self._looks(loop.test) and self._all(loop.body, _LEAVE_LOOP)
+
+    def _all(self, body: Sequence[ast.stmt], leaving: Leaving) -> bool:
+        is_left = bool(body) and isinstance(body[-1], leaving)
+        return is_left or all(self._statement(node, leaving) for node in body)
+
+    def _statement(self, node: ast.stmt, leaving: Leaving) -> bool:
+        if isinstance(node, ast.If | ast.While):
+            is_loop = isinstance(node, ast.While)
+            leaves = tuple(kind for kind in leaving if not is_loop or kind in _LEAVE_ALL)
+            bodies = (node.body, node.orelse)
+            return self._looks(node.test) and all(self._all(body, leaves) for body in bodies)
+        if isinstance(node, ast.Return | ast.Raise | ast.Expr):
+            return self._looks(node)
+        return _is_still(node)
+
+    def _looks(self, node: ast.AST) -> bool:
+        if isinstance(node, _WORKS):
+            return False
+        if isinstance(node, ast.Call) and not self._tells(last_name(node.func)):
+            return False
+        is_known = isinstance(node, ast.expr | ast.Return | ast.Raise | ast.Expr | ast.keyword)
+        return all(map(self._looks, ast.iter_child_nodes(node))) if is_known else _is_still(node)
+
+    def _tells(self, name: str | None) -> bool:
+        """Return whether a call of a name changes nothing."""
+        if name is None:
+            return False
+        if name not in self._known:
+            # Where one calls itself, its other statements decide.
+            self._known[name] = True
+            self._known[name] = (
+                all(self._all(function.body, ()) for function in self._own[name])
+                if name in self._own
+                else name in _SAYS | _TELLS
+            )
+        return self._known[name]
 
 
-def _only_looks(node: ast.stmt) -> bool:
-    if isinstance(node, ast.If | ast.While):
-        return only_looks(node.body) and only_looks(node.orelse)
-    if isinstance(node, ast.Expr):
-        value = node.value
-        is_said = isinstance(value, ast.Call) and last_name(value.func) in _SAYS
-        return is_said or isinstance(value, ast.Constant)
-    return isinstance(node, ast.Pass | ast.Continue | ast.Break | ast.Return | ast.Raise)
+def _is_still(node: ast.AST) -> bool:
+    return isinstance(node, _STILL)
