@@ -10,6 +10,7 @@ from tracerisk.instrument.source.literals.answers import ordered_answers, withou
 from tracerisk.instrument.source.literals.compared_values import Compared, compared_in_callback
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Lack, Made
+from tracerisk.ros.drafts.dragged_markers import FEEDBACK, dragged_in_turn
 from tracerisk.ros.drafts.game_pad import pressed_in_turn
 from tracerisk.ros.drafts.json_texts import json_texts
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
@@ -58,6 +59,11 @@ def drafted_topic(lack: Lack) -> Made:
         timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
         entry = {**entry, "messages": held, **timing}
         return entry, "the sticks moved to and fro, without a button and then with each"
+    if need.type_name == FEEDBACK:
+        used = list(dragged_in_turn(message, values.shown_markers(need.name)))
+        if used:
+            entry = sent_in_turn(entry, used)
+            return entry, "each marker is dragged, and each entry of its menu chosen, in turn"
     field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
     if len(in_turn) > 1:
         entry = sent_in_turn(entry, [{**message, field: item} for item in in_turn])

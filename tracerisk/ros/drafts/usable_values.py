@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -130,6 +130,8 @@ class UsableValues(ReachedPoses):
     """The units of the messages of drivers' packages, where they are not SI units."""
     served: Mapping[tuple[str, str], Collection[str]] = MappingProxyType({})
     """The names that drivers serve, by kind (`service`, `action`) and type, without namespace."""
+    shown_markers: Callable[[str], Sequence[Any]] = staticmethod(lambda _: ())
+    """Returns the interactive markers for which feedback comes on a topic."""
 
     def fields(
         self,

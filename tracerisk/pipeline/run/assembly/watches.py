@@ -18,6 +18,7 @@ from tracerisk.pipeline.run.watching.stall_watch import StallWatch
 from tracerisk.pipeline.trace.run_files import LOST_ON_THE_WAY, READ, RunRequest
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.project import Project
+from tracerisk.ros.drafts.dragged_markers import ShownMarkers
 from tracerisk.ros.drafts.named_numbers import Units
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.sensor_reading import SensorReading
@@ -61,6 +62,7 @@ def build_watches(
     )
     values.units_of_packages = _units_of_packages(graph.drivers)
     values.served = _served(graph.drivers)
+    values.shown_markers = graph.runtime.client(ShownMarkers).at
     needs = UnmetNeeds(
         graph.runtime,
         graph.interfaces,

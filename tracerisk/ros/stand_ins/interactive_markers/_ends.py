@@ -11,6 +11,9 @@ from visualization_msgs.msg import (
     InteractiveMarkerUpdate,
 )
 
+from tracerisk.ros.drafts.dragged_markers import ShownMarkers
+from tracerisk.ros.graph.runtime import current
+
 Heard = Callable[[Any], None]
 """Takes a message of feedback."""
 Shown = Callable[[], list[Any]]
@@ -36,7 +39,6 @@ class Ends1:
     def __init__(self, heard: Heard, shown: Shown, topic_ns: str, q_size: int = 100) -> None:
         import rospy
 
-        del shown
         self.name = f"{rospy.get_name()}{rospy.resolve_name(topic_ns)}"
         self._init = rospy.Publisher(
             f"{topic_ns}/update_full", InteractiveMarkerInit, latch=True, queue_size=100
@@ -47,6 +49,7 @@ class Ends1:
         self._feedback = rospy.Subscriber(
             f"{topic_ns}/feedback", InteractiveMarkerFeedback, heard, queue_size=q_size
         )
+        current().client(ShownMarkers).add(self._feedback.resolved_name, shown)
 
     def update(self, message: Any) -> None:
         """Send what has changed."""
@@ -81,6 +84,7 @@ class Ends2:
         self._feedback = node.create_subscription(
             InteractiveMarkerFeedback, f"{namespace}/feedback", heard, feedback_sub_qos
         )
+        current().client(ShownMarkers).add(self._feedback.topic_name, shown)
 
         def answer(_: Any, response: Any) -> Any:
             response.markers.extend(shown())
