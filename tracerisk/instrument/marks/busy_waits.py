@@ -63,7 +63,7 @@ def _loops(tree: ast.AST) -> Iterator[ast.While]:
 
 
 class Looks:
-    """Tells which loops of a module change nothing by their turns.
+    """Finds which loops of a module change nothing by their turns.
 
     A call of one of its own functions does what that function does, as if it stood there. What
     is done as a loop is left is done once.

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from tracerisk.common.geometry.frames import matrix_of, roll_pitch_yaw, rotation
 from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.pipeline.mission.asked_calls import AskedCall, asked_calls
-from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.scenario.objects import with_objects
 from tracerisk.ros.scenario.scenario import Frame, Scenario
 from tracerisk.trace import Visit
@@ -22,6 +21,7 @@ from tracerisk.twin.physics.scene import Scene, load_scene
 from tracerisk.twin.recording.contact_log import ContactLog
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
+from tracerisk.twin.robots.robot import WORLD
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recording

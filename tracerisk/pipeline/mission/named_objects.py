@@ -7,11 +7,10 @@ from typing import NoReturn
 
 from tracerisk.common.outcome.outcome import FLOOR
 from tracerisk.errors import ScenarioError, one_of
-from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.scenario.scenario import Frame, Scenario
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.physics.scene import Scene
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import WORLD, Robot
 
 
 def check_names(scenario: Scenario, robot: Robot, scene: Scene) -> None:

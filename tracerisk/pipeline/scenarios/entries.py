@@ -150,6 +150,7 @@ def is_given(known: Scenario, draft: Draft) -> bool:
         "actions": (action.name for action in known.actions),
         "frames": (frame.frame for frame in known.frames),
         "start": (draft.need.name,) if known.start else (),
+        "mount": (draft.need.name,) if known.mount else (),
         "drivers": (driver.string("driver") for driver in known.drivers),
         "objects": (held.string("name") for held in known.objects),
         "calls": (

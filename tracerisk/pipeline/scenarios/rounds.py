@@ -53,6 +53,7 @@ _MOST_FRUITLESS = 3  # runs in a row that show nothing which no run before has s
 _IDLE_S = 20.0  # what is drafted comes sooner: for how long a run with it may wait [s]
 _MOST_WALLS = 4.0  # wall time of all, in the time that they may compute or sleep
 _LEAST_CPU_S = 10.0  # what a run may compute, however little is left of the search
+_NO_HELP = ("start", "mount")  # sections that are left out where nothing moved
 SEARCH_S = 60.0
 """For how long the runs of a search may compute or sleep in all [s]."""
 
@@ -288,9 +289,11 @@ class Rounds:
     def _draft(self, best: Attempt) -> ScenarioDraft:
         entries = best.entries.copy()
         if not best.is_traced:
-            # Where the robot begins was no help, nor was another value than a default.
+            # Where the robot begins or stands was no help, nor was another value than a default.
             entries = without_instead(entries)
-            entries.drafts = {k: draft for k, draft in entries.drafts.items() if k[0] != "start"}
+            entries.drafts = {
+                k: draft for k, draft in entries.drafts.items() if k[0] not in _NO_HELP
+            }
         given = tuple(entries.drafts.values())
         missing = tuple(self.supply.cannot.values())
         return ScenarioDraft(

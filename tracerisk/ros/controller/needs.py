@@ -16,7 +16,7 @@ from tracerisk.ros.controller.frames import controller_frame
 
 NeedKind = Literal[
     "topic", "service", "action", "parameter", "frame", "input", "call", "goal", "object", "start",
-    "command", "module",
+    "mount", "command", "module",
 ]  # fmt: skip
 
 KEYS = "keys that are pressed"
@@ -66,6 +66,7 @@ class Need:
             "goal": "goals for action server",
             "object": "object of the planning scene",
             "start": "a start with room to move for",
+            "mount": "a mount from which its goals are reached for",
             "command": "a driver that obeys",
             "module": "module",
         }[self.kind]

@@ -23,6 +23,7 @@ SECTIONS: Mapping[NeedKind, str] = {
     "frame": "frames",
     "object": "objects",
     "start": "start",
+    "mount": "mount",
     "input": "answers",
     "command": "drivers",
     "module": "modules",

@@ -217,6 +217,12 @@ def _start(lack: Lack) -> Made:
     return start, f"a posture of {lack.values.robot.name} with room around its tool"
 
 
+def _mount(lack: Lack) -> Made:
+    height = lack.values.mount()
+    words = f"so high in the world that {lack.values.robot.name} reaches the poses it is sent to"
+    return None if height is None else {"xyz": [0.0, 0.0, height]}, words
+
+
 def _answer(lack: Lack) -> Made:
     need = lack.need
     if need.name == KEYS:
@@ -272,6 +278,7 @@ ENTRIES: Mapping[NeedKind, Callable[[Lack], Made]] = {
     "frame": _frame,
     "object": _object,
     "start": _start,
+    "mount": _mount,
     "input": _answer,
     "parameter": lambda lack: drafted_parameter(lack.need, lack.place, lack.values),
     "command": _command,

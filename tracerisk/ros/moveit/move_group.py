@@ -34,6 +34,7 @@ from tracerisk.ros.moveit.sought_goals import SoughtGoals
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.ros.robot.frames import fixed_frame
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.robots.robot import WORLD_LINK, robot_names
 from tracerisk.twin.robots.robot_parts import Scaling
 
 if TYPE_CHECKING:
@@ -277,6 +278,16 @@ class MoveGroupServer(RobotGroups):
     def shift_to_reach(self) -> PlaceAndShift | None:
         """Return the first place that was not reached, and by how much to move it, in the base."""
         return self.sought.shift_to_reach(self._twin.link_pose(self.robot.base_link), self.reach)
+
+    def mount_to_reach(self) -> float | None:
+        """Return the height of the base from which all goals are reached [m], where none is.
+
+        `None` where nothing helps, or the robot's file is the author's own and says it.
+        """
+        robot = self.robot
+        if robot.name not in robot_names() or WORLD_LINK in robot.link_names:
+            return None
+        return self.sought.mount_to_reach(self._twin.link_pose(robot.base_link), self.reach)
 
     def straight_way(
         self, group: str, goal: Pose, *, link: str, eef_step: float, start: Mapping[str, float]

@@ -11,6 +11,8 @@ from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.physics.motion import PlanningError, Pose
 
 _MOST_SOUGHT = 200  # goals that are kept
+_MOST_LIFTED = 8  # goals for which a mount is sought
+_HEIGHTS = tuple(round(0.1 * number, 1) for number in range(-3, 16) if number)  # of tables [m]
 _SAME_PLACE = 0.02  # seen from above: what was made of one pose [m]
 
 Reach = Callable[[str, Sequence[PoseGoal]], object]
@@ -28,6 +30,24 @@ class SoughtGoals:
         for goal in next(iter(goals), ()):
             if len(self._sought) < _MOST_SOUGHT or (group, goal) in self._sought:
                 self._sought[group, goal] = is_reached
+
+    def mount_to_reach(self, base: Pose, reach: Reach) -> float | None:
+        """Return how high the base must stand [m] that goals are reached, of which none was.
+
+        Of the heights that help it is the middle one: what comes later is likely about there.
+        None where a goal was reached, or no height helps.
+        """
+        if not self._sought or any(self._sought.values()):
+            return None
+        goals = list(self._sought)[:_MOST_LIFTED]
+        helpful = [
+            height
+            for height in _HEIGHTS
+            if all(
+                _is_reached(reach, base, group, goal, (0.0, 0.0, -height)) for group, goal in goals
+            )
+        ]
+        return helpful[len(helpful) // 2] if helpful else None
 
     def shift_to_reach(self, base: Pose, reach: Reach) -> PlaceAndShift | None:
         """Return the first place that was not reached, and by how much to move it, in the base.
@@ -47,14 +67,18 @@ class SoughtGoals:
         ]
 
         def is_reached(shift: Vector) -> bool:
-            for group, goal, pose in wanted:
-                a, b, c = (value + by for value, by in zip(pose.position, shift, strict=True))
-                there = compose(base, Pose((a, b, c), pose.orientation))
-                try:
-                    reach(group, [replace(goal, pose=there)])
-                except PlanningError:
-                    return False
-            return True
+            return all(_is_reached(reach, base, group, goal, shift) for group, goal, _ in wanted)
 
         row = reachable_shift((x, y, z), is_reached)
         return None if row is None else ((x, y, z), row)
+
+
+def _is_reached(reach: Reach, base: Pose, group: str, goal: PoseGoal, shift: Vector) -> bool:
+    """Return whether a group reaches a goal that is moved, by so much in the frame of the base."""
+    pose = compose(inverse(base), goal.pose)
+    x, y, z = (value + by for value, by in zip(pose.position, shift, strict=True))
+    try:
+        reach(group, [replace(goal, pose=compose(base, Pose((x, y, z), pose.orientation)))])
+    except PlanningError:
+        return False
+    return True

@@ -19,12 +19,12 @@ from tracerisk.ros.robot.twin_node import TopicStream
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
 from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import WORLD
 from tracerisk.twin.urdf.text import urdf_text
 
 TF = "/tf"
 TF_STATIC = "/tf_static"
 TF_TYPE = "tf2_msgs/TFMessage"
-WORLD = "world"
 DESCRIPTION = "robot_description"
 RATE_HZ = 50.0
 """How often moving frames are published while somebody listens: with every joint state."""

@@ -11,9 +11,11 @@ from tracerisk.common.geometry.shapes import Shape
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
+from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.twin.motion.plausible_units import shown_limits
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene, load_scene
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import WORLD, WORLD_LINK, Robot
+from tracerisk.twin.robots.robot_parts import Attachment, Link
 
 _SHAPES = ("box", "cylinder", "sphere")
 _FRICTION = 0.5
@@ -77,6 +79,32 @@ def with_start(robot: Robot, start: Sequence[tuple[str, float, Location]]) -> Ro
             )
     moved = {name: value for name, value, _ in start}
     return replace(robot, initial_state=MappingProxyType({**robot.initial_state, **moved}))
+
+
+def with_mount(robot: Robot, scenario: Scenario) -> Robot:
+    """Return the robot on a link `world`, with its base where a scenario says that it is mounted.
+
+    Raises:
+        ScenarioError: the robot's file says already where it is in the world.
+    """
+    if scenario.mount is None:
+        return robot
+    if WORLD_LINK in robot.link_names:
+        raise ScenarioError(
+            f"mount: {robot.file} has a link '{WORLD}', and says where the robot is in it; leave "
+            "mount out",
+            Location(scenario.file),
+        )
+    xyz, rpy = scenario.mount
+    fixed = Attachment(
+        f"{WORLD}_joint", "fixed", WORLD_LINK, robot.base_link, xyz, rpy, (0.0, 0.0, 1.0)
+    )
+    return replace(
+        robot,
+        base_link=WORLD_LINK,
+        links=(Link(WORLD_LINK, 0.0, (0.0, 0.0, 0.0), None, ()), *robot.links),
+        attachments=(fixed, *robot.attachments),
+    )
 
 
 def is_known(entry: YamlMap) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from tracerisk.common.geometry.frames import Triple
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import Location
@@ -168,3 +169,6 @@ class Scenario:
     """What a mission is; empty where the file does not say."""
     start: tuple[tuple[str, float, Location], ...] = ()
     """Where joints are when the run begins [rad or m], each with its place in the file."""
+    mount: tuple[Triple, Triple] | None = None
+    """The place [m] and roll, pitch and yaw [rad] of the robot's base in the frame `world`; `None`
+    where the file does not say."""

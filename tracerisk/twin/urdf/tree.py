@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from tracerisk.errors import Location, RobotError, one_of
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import WORLD, WORLD_LINK, Robot
 from tracerisk.twin.urdf.xml_reader import XmlElement
 
 MovingType = Literal["revolute", "continuous", "prismatic"]
 _MOVING: dict[str, MovingType] = {kind: kind for kind in get_args(MovingType)}
 _TYPES = (*_MOVING, "fixed", "floating", "planar")
 _MOST_LINKS = 500
-_WORLD, _WORLD_LINK = "world", "world_link"
 _ROLLS = re.compile(r"wheel|caster|castor|roller|track", re.IGNORECASE)
 
 
@@ -71,9 +70,9 @@ class Tree:
 
     def place_of(self, link: str) -> str | None:
         """Return what a link of the file is called here; `None` for one that is left out."""
-        if link != _WORLD:
+        if link != WORLD:
             return link
-        return self.root if self.root == _WORLD_LINK else None
+        return self.root if self.root == WORLD_LINK else None
 
     def below(self, link: str) -> Iterator[UrdfJoint]:
         """Yield the joints that hang on a link."""
@@ -174,15 +173,15 @@ def _without_world(tree: Tree) -> Tree:
     Where the base has a place of its own in the world, the root is a link `world_link`: poses
     that a controller names in the frame `world` count from there.
     """
-    if tree.root != _WORLD:
+    if tree.root != WORLD:
         return tree
-    below = list(tree.below(_WORLD))
+    below = list(tree.below(WORLD))
     if len(below) == 1 and not below[0].moves and not any((*below[0].xyz, *below[0].rpy)):
         return Tree(below[0].child, tuple(joint for joint in tree.joints if joint != below[0]))
     return Tree(
-        _WORLD_LINK,
+        WORLD_LINK,
         tuple(
-            replace(joint, parent=_WORLD_LINK) if joint.parent == _WORLD else joint
+            replace(joint, parent=WORLD_LINK) if joint.parent == WORLD else joint
             for joint in tree.joints
         ),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from tracerisk.common.worlds.world import NOMINAL
@@ -62,6 +63,7 @@ def build_watches(
     )
     values.units_of_packages = _units_of_packages(graph.drivers)
     values.served = _served(graph.drivers)
+    values.mount = cache(lambda: graph.runtime.client(MoveGroupServer).mount_to_reach())
     values.shown_markers = graph.runtime.client(ShownMarkers).at
     needs = UnmetNeeds(
         graph.runtime,

@@ -48,7 +48,10 @@ class NotedDrafts:
         needs = runtime.scheduler.needs
         left_off = () if shows_risk else needs.left_off
         if needs.came_nowhere is not None and not shows_risk:
-            left_off = (*left_off, needs.came_nowhere)
+            need = needs.came_nowhere.need
+            if values.mount() is not None:
+                need = replace(need, kind="mount")
+            left_off = (*left_off, replace(needs.came_nowhere, need=need))
         # Of what the script asks for by name, what comes later is given with what comes first.
         later = () if shows_risk else lacked.further(self.in_source(self.script))
         frames = further_frames(lacking.values(), self.in_source(self.script), runtime)

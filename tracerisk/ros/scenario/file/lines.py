@@ -48,8 +48,8 @@ def sections_text(sections: Mapping[str, Iterable[str]], remarks: Iterable[str] 
 def entry_lines(draft: Draft) -> list[str]:
     """Return the lines of one entry within its section, the first with the mark."""
     mark = f"{MARK}: {' '.join(draft.words.split())}"
-    if draft.section == "start":
-        lines = [f"  {_text(name)}: {_number(item)}" for name, item in draft.value.items()]
+    if draft.section in ("start", "mount"):
+        lines = [f"  {_text(name)}: {_flow(item)}" for name, item in draft.value.items()]
     elif draft.section == "parameters":
         lines = _keyed(f"  {_text(draft.key)}:", draft.value, 4)
     elif draft.section == "answers":

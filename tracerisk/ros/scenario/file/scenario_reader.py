@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from tracerisk.common.acceptances import read_acceptances
+from tracerisk.common.geometry.frames import Triple
 from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.common.verdict import Acceptance
@@ -45,7 +46,7 @@ def read_scenario(path: Path) -> Scenario:
         {
             *("parameters", "publish", "services", "actions"),
             *("calls", "frames", "objects", "answers", "accept", "arguments", "robot", "success"),
-            *("start", "drivers", "modules"),
+            *("start", "mount", "drivers", "modules"),
         }
     )
     assumed = unconfirmed(path, top)
@@ -68,6 +69,7 @@ def read_scenario(path: Path) -> Scenario:
         unconfirmed=tuple(entry for entry in assumed if entry.section != _SUCCESS),
         success=_success(top, {entry.name for entry in assumed if entry.section == _SUCCESS}),
         start=_start(top),
+        mount=_mount(top),
     )
     _forbid_twice(top, "services", "name")
     _forbid_twice(top, "actions", "name")
@@ -110,6 +112,14 @@ def _start(top: YamlMap) -> tuple[tuple[str, float, Location], ...]:
     joints = top.map("start")
     names = joints.keys()
     return tuple((name, joints.number(name), joints.key_location(name)) for name in names)
+
+
+def _mount(top: YamlMap) -> tuple[Triple, Triple] | None:
+    if top.get("mount") is None:
+        return None
+    mount = top.map("mount")
+    mount.forbid_unknown({"xyz", "rpy"})
+    return mount.triple("xyz"), mount.triple("rpy")
 
 
 def _forbid_twice(top: YamlMap, section: str, key: str) -> None:

@@ -15,10 +15,10 @@ from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.messages.dialect import is_ros2, nanoseconds, set_time
 from tracerisk.ros.readings.read_poses import ReadPoses
-from tracerisk.ros.robot.frames import WORLD
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
 from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import WORLD
 
 from .exceptions import (
     ConnectivityException,
