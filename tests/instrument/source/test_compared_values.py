@@ -55,6 +55,12 @@ def test_a_field_of_the_same_name_elsewhere_in_the_file_means_the_same_unless_ma
     assert compared(CELL, 1) == (("red", "blue"), ("slow", "fast"), ())
 
 
+def test_identity_with_a_text_is_meant_as_equality(tmp_path):
+    file = tmp_path / "sorter.py"
+    file.write_text(SOURCE.replace('data == "now"', 'data is "now" or request.data is None'))
+    assert compared_in_callback(Location(str(file), 2)).texts(("data",)) == ("now",)
+
+
 @pytest.mark.parametrize("settings", ["a: {bins: {x: 1}}\nb: {bins: {y: 1}}\n", "bins: [\n", ""])
 def test_what_means_two_things_or_cannot_be_read_says_nothing(compared, settings):
     assert compared(settings, 2)[0] == ()

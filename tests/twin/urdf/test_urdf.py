@@ -79,6 +79,11 @@ def robot(text=RATED):
     return read_urdf(text, "tiny.urdf", srdf=read_srdf(SRDF, "tiny.srdf"))
 
 
+def test_what_steers_a_wheel_is_no_joint_of_the_arm():
+    steered = robot(RATED.replace("wheel_left", "steer_left").replace("continuous", "revolute"))
+    assert [joint.name for joint in steered.arm_joints] == ["shoulder", "elbow"]
+
+
 def test_the_arm_is_read_and_can_be_simulated():
     tiny = robot()
     assert tiny.base_link == "base", "a frame below the base is left out"

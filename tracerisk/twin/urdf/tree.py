@@ -15,7 +15,7 @@ MovingType = Literal["revolute", "continuous", "prismatic"]
 _MOVING: dict[str, MovingType] = {kind: kind for kind in get_args(MovingType)}
 _TYPES = (*_MOVING, "fixed", "floating", "planar")
 _MOST_LINKS = 500
-_ROLLS = re.compile(r"wheel|caster|castor|roller|track", re.IGNORECASE)
+_ROLLS = re.compile(r"wheel|caster|castor|roller|track|steer", re.IGNORECASE)
 
 
 class NoWholeRobotError(RobotError):
@@ -200,7 +200,7 @@ def _ordered(root: str, joints: list[UrdfJoint]) -> list[UrdfJoint]:
 
 
 def on_a_moving_base(joint: UrdfJoint) -> UrdfJoint:
-    """Wheels stand still: the twin has no floor to roll on."""
+    """Wheels stand still, steered ones too: the twin has no floor to roll on."""
     if joint.moves and (_ROLLS.search(joint.name) or _ROLLS.search(joint.child)):
         return replace(joint, moves=False)
     return joint

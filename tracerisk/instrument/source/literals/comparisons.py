@@ -69,7 +69,10 @@ def compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     if not isinstance(node, ast.Compare) or len(node.ops) != 1:
         return
     left, operator, right = node.left, node.ops[0], node.comparators[0]
-    if isinstance(operator, ast.Eq | ast.NotEq | ast.In | ast.NotIn):
+    if isinstance(operator, ast.Is | ast.IsNot):
+        # `command is '1'` is meant as a comparison of texts or numbers.
+        yield from ((left, literal) for literal in _literals(right) if _is_text_or_int(literal))
+    elif isinstance(operator, ast.Eq | ast.NotEq | ast.In | ast.NotIn):
         # What is unequal is most often turned away.
         yield from ((left, literal) for literal in _literals(right))
         yield from ((right, literal) for literal in _literals(left) if isinstance(operator, ast.Eq))
@@ -91,6 +94,10 @@ def compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
         yield from (
             (right, beyond(literal, +1)) for literal in _literals(left) if is_number(literal)
         )
+
+
+def _is_text_or_int(value: object) -> bool:
+    return isinstance(value, str | int) and not isinstance(value, bool)
 
 
 def _returns_late(node: ast.AST) -> bool:

@@ -50,7 +50,7 @@ def _keys_of(node: ast.AST) -> Iterator[tuple[ast.expr, tuple[str, ...]]]:
         for operator, side in zip(node.ops, node.comparators, strict=True):
             if isinstance(operator, ast.In | ast.NotIn):
                 yield from _members(side, is_key=is_key)
-            elif isinstance(operator, ast.Eq | ast.NotEq):
+            elif isinstance(operator, ast.Eq | ast.NotEq | ast.Is | ast.IsNot):
                 yield from _keys((node.left, side), is_key=is_key)
     elif isinstance(node, ast.MatchValue):
         yield from _keys((node.value,), is_key=False)
