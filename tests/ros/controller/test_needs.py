@@ -66,6 +66,17 @@ def test_an_exception_names_the_parameters_that_were_left_empty(ledger):
     assert [each.need.name for each in ledger.named_in(told, 2)] == ["robot_description"]
 
 
+def test_an_error_names_in_words_the_parameters_that_were_left_empty(ledger):
+    for name in ("/node/waypoints_file_path", "mode", "krl_file", "map_file"):
+        ledger.take_default(Need("parameter", name, "string"), "", 1)
+    ledger.note_error("No waypoints file path was provided")
+    assert [lacking.need.name for lacking in ledger.sought_in_vain] == [
+        "/node/waypoints_file_path"
+    ]
+    named = ledger.named_in("ValueError: KRL file not specified", 2)
+    assert [lacking.need.name for lacking in named] == ["krl_file"]
+
+
 def test_a_switch_that_starts_and_is_off_by_default_is_kept(ledger):
     for name, value in (("/cell/enabled", False), ("/cell/debug", False), ("auto_start", True)):
         ledger.take_default(Need("parameter", name), value, 1)

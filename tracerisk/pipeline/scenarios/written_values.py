@@ -85,7 +85,8 @@ class WrittenValues:
         the whole entry.
         """
         if need.kind == "parameter":
-            return self._set_parameter(need) or self._configured(need)
+            written = self._set_parameter(need) or self._configured(need)
+            return None if written is None else replace(written, value=self._here(written.value))
         if need.kind in ("topic", "call", "goal"):
             return self._sent(need) or self._made(need)
         return self._published_frame(need.name) if need.kind == "frame" else None
@@ -144,6 +145,18 @@ class WrittenValues:
                 if value is not None and _is_of_kind(value, need.type_name):
                     return Written(value, command.place)
         return None
+
+    def _here(self, value: Any) -> Any:
+        """Return a value; a path that is not there as the file of the repository that it ends in.
+
+        Its author wrote it from the folder that holds the repository: `src/cell/config/a.yaml`.
+        """
+        parts = Path(value).parts if isinstance(value, str) and "/" in value else ()
+        for at in range(len(parts)):
+            path = self._top.joinpath(*parts[at:])
+            if path.is_file():
+                return value if at == 0 else from_root(self._top, path)
+        return value
 
     def _commands(self, pattern: re.Pattern[str]) -> Iterator[_Command]:
         for path, text in self._texts:

@@ -7,7 +7,7 @@ where the controller asks, and forgotten when it is given.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -178,8 +178,9 @@ class NeedLedger:
 
     @property
     def sought_in_vain(self) -> tuple[Missed, ...]:
-        """What was looked for and not found, and is named in an error."""
-        return self._sought_named_in(self._errors)
+        """What was looked for and not found, or left empty, and is named in an error."""
+        empty = (found for message in self._errors for found in self._empty_in_words(message))
+        return (*self._sought_named_in(self._errors), *dict.fromkeys(empty))
 
     def _sought_named_in(self, messages: Iterable[str]) -> tuple[Missed, ...]:
         text = "\n".join(messages)
@@ -189,14 +190,23 @@ class NeedLedger:
             if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text)
         )
 
+    def _empty_in_words(self, message: str) -> Iterator[Missed]:
+        """Yield parameters left empty of whose names a message has each word: `no map file`."""
+        words = set(_WORD.findall(message.lower().replace("_", " ")))
+        for name, missed in self._left_empty.items():
+            parts = name.replace(".", "/").rpartition("/")[2].lower().split("_")
+            if len(parts) > 1 and words.issuperset(filter(None, parts)):
+                yield missed
+
     def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:
         """Return what the message of an exception names: parameters left empty, and objects."""
         words = set(_WORD.findall(message))
-        empty = tuple(
+        empty: Iterable[Missed] = tuple(
             missed
             for name, missed in self._left_empty.items()
             if name.replace(".", "/").rpartition("/")[2] in words
         )
+        empty = dict.fromkeys((*empty, *self._empty_in_words(message)))
         lacking = (*empty, *self._sought_named_in([message]))
         return tuple(replace(missed, last_ns=now_ns) for missed in lacking)
 
