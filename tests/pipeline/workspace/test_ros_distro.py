@@ -111,6 +111,7 @@ def test_one_that_is_not_served_is_taken_as_the_nearest(chosen, written, nearest
     choice = chosen({"Dockerfile": f"FROM ros:{written}\n"})
     assert (choice.name, choice.is_assumed) == (nearest, True)
     assert choice.found_in == f"the nearest that is served to {written}: Dockerfile:1"
+    assert choice.follows_jazzy is (nearest == "jazzy")
 
 
 @pytest.mark.parametrize("written", ["kinetic", "melodic"])

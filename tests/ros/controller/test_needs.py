@@ -70,9 +70,7 @@ def test_an_error_names_in_words_the_parameters_that_were_left_empty(ledger):
     for name in ("/node/waypoints_file_path", "mode", "krl_file", "map_file"):
         ledger.take_default(Need("parameter", name, "string"), "", 1)
     ledger.note_error("No waypoints file path was provided")
-    assert [lacking.need.name for lacking in ledger.sought_in_vain] == [
-        "/node/waypoints_file_path"
-    ]
+    assert [lacking.need.name for lacking in ledger.sought_in_vain] == ["/node/waypoints_file_path"]
     named = ledger.named_in("ValueError: KRL file not specified", 2)
     assert [lacking.need.name for lacking in named] == ["krl_file"]
 

@@ -59,6 +59,8 @@ class DistroChoice:
     """Whether nothing says so: nobody names one, several are named alike, or one not served."""
     precedes_noetic: bool = False
     """Whether the controller is for a ROS 1 before Noetic, as far as anything says."""
+    follows_jazzy: bool = False
+    """Whether the workspace names a ROS 2 after Jazzy, which stands for it."""
 
     @property
     def assumption(self) -> str:
@@ -139,7 +141,8 @@ def _weighed(ros: RosVersion, mentions: list[_Mention]) -> DistroChoice:
     written = sorted({mention.name for mention in chosen})
     if best not in written:
         nearest = f"the nearest that is served to {' and '.join(written)}: {words}"
-        return DistroChoice(best, nearest, is_assumed=True)
+        is_later = best == "jazzy"
+        return DistroChoice(best, nearest, is_assumed=True, follows_jazzy=is_later)
     return DistroChoice(best, words)
 
 

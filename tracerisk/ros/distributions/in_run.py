@@ -21,7 +21,7 @@ class DistroRules:
     `name` is that distribution. `report` gets the words, the place and the rule where a rule
     decided something that another distribution would have decided otherwise; it is `None` where
     nothing is assumed, so that nobody has to know. `precedes_noetic` says that the program is for
-    an older ROS 1, for which Noetic stands.
+    an older ROS 1, for which Noetic stands, `follows_jazzy` that it is for a ROS 2 after Jazzy.
     """
 
     def __init__(
@@ -30,9 +30,11 @@ class DistroRules:
         report: Callable[[str, Location | None, str], None] | None = None,
         *,
         precedes_noetic: bool = False,
+        follows_jazzy: bool = False,
     ) -> None:
         self.name = name
         self.precedes_noetic = precedes_noetic
+        self.follows_jazzy = follows_jazzy
         self._report = report
         self._reported: set[tuple[str, Location | None]] = set()
 

@@ -104,6 +104,23 @@ def test_a_context_begins_and_ends_as_a_context_manager(run_ros2):
     assert run_ros2(main) == (True, False)
 
 
+def test_after_jazzy_init_ends_with_its_block(run_ros2):
+    def main():
+        import rclpy
+
+        from tracerisk.ros.graph.runtime import current
+
+        current().distro.follows_jazzy = True
+        with rclpy.init():
+            rclpy.create_node("arm")
+            began = rclpy.ok()
+        ended = rclpy.ok()
+        with rclpy.init():
+            return began, ended, rclpy.ok()
+
+    assert run_ros2(main) == (True, False, True)
+
+
 @pytest.mark.parametrize("made", ["Context()", "executors.SingleThreadedExecutor()"])
 def test_humble_has_no_with_blocks(run_ros2, made):
     def main():

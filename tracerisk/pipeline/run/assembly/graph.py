@@ -189,8 +189,12 @@ def _distro_of(request: RunRequest, recorder: Recorder) -> DistroRules:
     def report(words: str, location: Location | None, rule: str) -> None:
         recorder.finding("distro_assumed", words, location, object_name=rule)
 
-    is_older = request.distro.precedes_noetic
-    return DistroRules(request.distro.name, report, precedes_noetic=is_older)
+    return DistroRules(
+        request.distro.name,
+        report,
+        precedes_noetic=request.distro.precedes_noetic,
+        follows_jazzy=request.distro.follows_jazzy,
+    )
 
 
 def _note_given(recorder: Recorder, scenario: Scenario) -> None:

@@ -23,8 +23,10 @@ def init(
     context: Context | None = None,
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
-) -> None:
+) -> _Begun | None:
     """Begin; `args` is a command line, by default the program's own.
+
+    After Jazzy, what is returned ends with its `with` block (rclpy 7.4, rclpy/__init__.py).
 
     Raises:
         RuntimeError: it has begun already, or the command line is malformed.
@@ -35,6 +37,21 @@ def init(
         signal_handler_options = SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
     chosen.init(args, domain_id=domain_id)
     install_signal_handlers(signal_handler_options)
+    return _Begun(chosen) if _state().runtime.distro.follows_jazzy else None
+
+
+class _Begun:
+    """A context that has begun, for a `with` block."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+
+    def __enter__(self) -> _Begun:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        # A default context that has ended is replaced only where none is named.
+        try_shutdown(context=None if self.context is get_default_context() else self.context)
 
 
 def get_global_executor() -> Any:
