@@ -57,8 +57,6 @@ class PlaceholderValues:
 class Placeholder:
     """Whatever a program takes of a module that is not here, by its name."""
 
-    __array_ufunc__ = None  # arithmetic with arrays is this class's own
-
     def __init__(self, name: str, values: PlaceholderValues) -> None:
         self._placeholder = name, values
 
@@ -138,6 +136,12 @@ class Placeholder:
         import numpy as np
 
         return np.array(self._numbers(), dtype or float)
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
+        """Return the function of its numbers; arithmetic with arrays gives a placeholder."""
+        if len(inputs) > 1:
+            return self
+        return getattr(ufunc, method)(self.__array__(), **named)
 
     def __float__(self) -> float:
         return self._numbers()[0]
