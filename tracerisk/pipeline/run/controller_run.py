@@ -54,8 +54,6 @@ from tracerisk.pipeline.workspace.prefixes import readable_of
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
 from tracerisk.pipeline.workspace.workspace import workspace_of
-from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.ros.scenario.objects import with_mount
 from tracerisk.twin.robots.file import dump_robot
 
 if TYPE_CHECKING:
@@ -242,6 +240,9 @@ def run_request(
     if request.live_speed is None:
         request = replace(request, instrumented=instrumented_ahead(controller))
     if request.scenario is not None:
+        from tracerisk.ros.scenario.file.scenario_reader import read_scenario
+        from tracerisk.ros.scenario.objects import with_mount
+
         robot = with_mount(robot, read_scenario(Path(request.scenario)))
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if options.progress is not None:

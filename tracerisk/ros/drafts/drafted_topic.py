@@ -10,13 +10,13 @@ from tracerisk.instrument.source.literals.answers import ordered_answers, withou
 from tracerisk.instrument.source.literals.compared_values import Compared, compared_in_callback
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Lack, Made
-from tracerisk.ros.drafts.dragged_markers import FEEDBACK, dragged_in_turn
-from tracerisk.ros.drafts.game_pad import pressed_in_turn
 from tracerisk.ros.drafts.json_texts import json_texts
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
 from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures, takes_pixels
 from tracerisk.ros.drafts.said_around import said_in_callback
 from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.drafts.user_input.dragged_markers import FEEDBACK, dragged_in_turn
+from tracerisk.ros.drafts.user_input.game_pad import pressed_in_turn
 from tracerisk.ros.messages.fields import fields_of, known_constants
 
 _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")

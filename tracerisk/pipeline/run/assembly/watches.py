@@ -19,9 +19,9 @@ from tracerisk.pipeline.run.watching.stall_watch import StallWatch
 from tracerisk.pipeline.trace.run_files import LOST_ON_THE_WAY, READ, RunRequest
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.project import Project
-from tracerisk.ros.drafts.dragged_markers import ShownMarkers
 from tracerisk.ros.drafts.named_numbers import Units
 from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.drafts.user_input.dragged_markers import ShownMarkers
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.readings.stale_messages import StaleMessages

@@ -11,7 +11,7 @@ from visualization_msgs.msg import (
     InteractiveMarkerUpdate,
 )
 
-from tracerisk.ros.drafts.dragged_markers import ShownMarkers
+from tracerisk.ros.drafts.user_input.dragged_markers import ShownMarkers
 from tracerisk.ros.graph.runtime import current
 
 Heard = Callable[[Any], None]

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from tracerisk.ros.drafts.dragged_markers import dragged_in_turn
+from tracerisk.ros.drafts.user_input.dragged_markers import dragged_in_turn
 
 MESSAGE = {"marker_name": "", "control_name": "", "event_type": 0, "menu_entry_id": 0, "pose": "p"}
 MARKED = """\

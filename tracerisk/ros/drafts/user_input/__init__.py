@@ -1,0 +1,1 @@
+"""What a user does with a game pad or with markers on a screen."""
