@@ -7,9 +7,8 @@ for their types are known only where the controller runs.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from tracerisk.common.geometry.frames import Triple
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import Location
@@ -17,6 +16,9 @@ from tracerisk.ros.graph.parameter_files import Parameter
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.message import Written
 from tracerisk.ros.scenario.success import Condition
+
+if TYPE_CHECKING:
+    from tracerisk.common.geometry.frames import Triple
 
 Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]
 """What an action server makes of a goal."""

@@ -6,10 +6,9 @@ import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from tracerisk.common.acceptances import read_acceptances
-from tracerisk.common.geometry.frames import Triple
 from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.common.verdict import Acceptance
@@ -28,6 +27,9 @@ from tracerisk.ros.scenario.scenario import (
     ServedAction,
 )
 from tracerisk.ros.scenario.success import Condition, read_condition
+
+if TYPE_CHECKING:
+    from tracerisk.common.geometry.frames import Triple
 
 _SUCCESS = "success"
 _TYPE_KINDS = ("msg", "srv", "action")
