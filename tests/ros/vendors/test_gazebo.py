@@ -85,12 +85,14 @@ again = spawn('cube', CUBE, '', place(0.5, 0.5, 0.2), 'world')
 rospy.sleep(1.0)
 fallen = state('cube', 'world')
 move = rospy.ServiceProxy('/gazebo/set_model_state', SetModelState)
-from gazebo_msgs.msg import ModelState, ModelStates
+from gazebo_msgs.msg import LinkStates, ModelState, ModelStates
 moved = move(ModelState('cube', place(-0.4, 0.4, 0.5), ModelState().twist, 'world'))
 rospy.sleep(1.0)
 there = state('cube', '')
 names = rospy.ServiceProxy('/gazebo/get_world_properties', GetWorldProperties)().model_names
 published = rospy.wait_for_message('/gazebo/model_states', ModelStates).name
+links = rospy.wait_for_message('/gazebo/link_states', LinkStates)
+height = links.pose[links.name.index('cube::link')].position.z
 delete = rospy.ServiceProxy('/gazebo/delete_model', DeleteModel)
 gone = delete('cube')
 missing = state('cube', '')
@@ -104,6 +106,8 @@ missing = state('cube', '')
     assert ran["there"].pose.position.z == pytest.approx(0.025, abs=0.005)
     assert list(ran["names"]) == ["wx250s", "floor", "cube"]
     assert list(ran["published"]) == ["wx250s", "floor", "cube"]
+    assert {"wx250s::wx250s/base_link", "floor::link"} <= {*ran["links"].name}
+    assert ran["height"] == pytest.approx(0.025, abs=0.005)
     assert ran["gone"].success
     assert not ran["missing"].success
     assert any("model 'cube'; allowed: floor, wx250s" in each for each in ran.findings)

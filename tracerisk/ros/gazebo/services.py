@@ -8,7 +8,7 @@ IFRA-Cranfield/IFRA_LinkAttacher.
 # ruff: noqa: ARG002 - every handler takes a request and an answer
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -81,7 +81,9 @@ class GazeboServices(TwinNode):
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == f"{_PACKAGE}/ModelStates":
-            self._report_on(name, type_name, _HZ, self._states)
+            self._report_on(name, type_name, _HZ, self._model_states)
+        elif change == "subscribed" and type_name == f"{_PACKAGE}/LinkStates":
+            self._report_on(name, type_name, _HZ, self._link_states)
         elif change == "advertised" and type_name == f"{_PACKAGE}/ModelState":
             self._hear(name, type_name, self._moved)
 
@@ -93,11 +95,16 @@ class GazeboServices(TwinNode):
         except ModelRefusedError as refusal:
             self._report(f"a message on {publication.topic} moved no model: {refusal}")
 
-    def _states(self, message: Any, topic: str) -> Any:
-        names = self._world.names
-        message.name = list(names)
-        message.pose = [self._pose(self._world.pose(name)) for name in names]
-        message.twist = [self._messages.new("geometry_msgs/Twist") for _ in names]
+    def _model_states(self, message: Any, topic: str) -> Any:
+        return self._states(message, {name: self._world.pose(name) for name in self._world.names})
+
+    def _link_states(self, message: Any, topic: str) -> Any:
+        return self._states(message, self._world.link_poses())
+
+    def _states(self, message: Any, poses: Mapping[str, Pose]) -> Any:
+        message.name = list(poses)
+        message.pose = [self._pose(pose) for pose in poses.values()]
+        message.twist = [self._messages.new("geometry_msgs/Twist") for _ in poses]
         return message
 
     # Models

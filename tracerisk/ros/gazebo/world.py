@@ -84,6 +84,15 @@ class GazeboWorld:
             return compose(self._base, self._twin.link_pose(text))
         return self.pose(model) if model in self.names else None
 
+    def link_poses(self) -> dict[str, Pose]:
+        """Return where all links are, by `model::link`; a model of one body has the link `link`."""
+        robot, *others = self.names
+        poses = {
+            f"{robot}::{link}": compose(self._base, pose)
+            for link, pose in self._twin.link_poses().items()
+        }
+        return {**poses, **{f"{name}::link": self.pose(name) for name in others}}
+
     def frame(self, name: str) -> Pose:
         """Return where a frame of reference is: the world, a model or a link.
 
