@@ -29,7 +29,8 @@ took = rospy.get_time() - begun
 angles = limb.joint_angles()
 names = limb.joint_names()
 at = limb.endpoint_pose()['position']
-tip = limb.tip_state('right_hand')['position']
+tip = limb.tip_state('right_hand').pose.position
+tip = (tip.x, tip.y, tip.z)
 home()
 neutral = limb.joint_ordered_angles()
 """,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 import intera_dataflow
@@ -97,12 +98,11 @@ class Limb(LimbReadings):
         return self._tip_states
 
     def tip_state(self, tip_name: str) -> Any:
-        """Return pose and velocity of a tip, `None` for one that is not there."""
+        """Return the EndpointState of a tip, `None` for one that is not there."""
         names = list(self._tip_states.names)
-        if tip_name not in names:
-            return None
-        state = self._tip_states.states[names.index(tip_name)]
-        return {**self._pose_of(state), **self._velocity_of(state)}
+        return (
+            deepcopy(self._tip_states.states[names.index(tip_name)]) if tip_name in names else None
+        )
 
     def has_collided(self) -> bool:
         """Return whether the arm struck something."""
