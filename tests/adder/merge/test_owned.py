@@ -1,5 +1,6 @@
 """A value set by hand is for what its function did when it was written."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -211,9 +212,31 @@ def test_a_lock_that_git_mixed_says_of_each_figure_of_which_data_it_is(by_hand, 
     assert by_hand.run(pick(gripper=5e-07, motor=2e-08), place, data="e", is_new=False) == []
 
 
-def test_a_value_for_no_use_is_kept_with_its_data(by_hand, pick, place):
+@pytest.mark.parametrize(
+    ("rows", "data"),
+    [
+        ({"pick": "1e-07 of d", "place": "2e-07 of e"}, "d"),
+        # The own figure is of an earlier version, which says its data once.
+        ({"grasp": "2e-07 of e", "pick": "1e-07"}, "once"),
+        ({"grasp": "1e-07 of e", "place": "2e-07 of e"}, "e"),
+        ({"grasp": "1e-07 of d", "place": "2e-07 of e"}, "once"),
+    ],
+)
+def test_only_rows_that_can_speak_for_the_own_figure_say_of_which_data_it_is(
+    by_hand, pick, place, rows, data
+):
     by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
-    owned = {"c.py": {"pick": {"gripper": OwnedValue("3e-07", "supplier letter", {}, "d")}}}
+    text = json.loads(by_hand.lock.dumps())
+    owned = text["controllers"]["c.py"]["owned"]["c.py"]["pick"]["gripper"]
+    owned |= {"data": "once", "uses": {"c.py": rows}}
+    loaded = loads(json.dumps(text).encode(), "tracerisk.lock")
+    assert loaded.controllers["c.py"].owned["c.py"]["pick"]["gripper"].data == data
+
+
+@pytest.mark.parametrize("uses", [{}, {"c.py": {}}])
+def test_a_value_for_no_use_is_kept_with_its_data(by_hand, pick, place, uses):
+    by_hand.run(pick(gripper=1e-07, motor=2e-08), place)
+    owned = {"c.py": {"pick": {"gripper": OwnedValue("3e-07", "supplier letter", uses, "d")}}}
     entry = replace(by_hand.lock.controllers["c.py"], owned=owned)
     written = by_hand.lock.with_controller("c.py", entry).dumps()
     assert loads(written, "tracerisk.lock").controllers["c.py"].owned == owned

@@ -310,7 +310,7 @@ def _owned_data(owned: OwnedValue) -> dict[str, Any]:
         for file, row in owned.uses.items()
     }
     data = {"value": owned.value, "reason": owned.reason, "uses": uses}
-    return data if uses else {**data, "data": owned.data}
+    return data if any(uses.values()) else {**data, "data": owned.data}
 
 
 def data_digest(data: Mapping[str, Any]) -> str:

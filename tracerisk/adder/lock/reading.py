@@ -228,7 +228,9 @@ class _Reader:
                 texts[name], _, data_of[source, name] = str(text).partition(" of ")
             uses[source] = self._values(texts, dict.fromkeys(texts, PROBABILITY), place)
         # Only the function's own figure is compared; a merge may have mixed it with others.
-        data = data_of.get((file, function)) or next(iter(data_of.values()), "")
+        own = data_of.get((file, function))
+        said = {*data_of.values()} if own is None else {own}
+        data = said.pop() if len(said) == 1 else ""
         # One for no use says it by itself, and those of earlier versions do.
         data = data or str(entry.get("data", ""))
         return OwnedValue(str(entry.get("value", "")), str(entry.get("reason", "")), uses, data)
