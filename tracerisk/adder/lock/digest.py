@@ -9,7 +9,7 @@ where a merge has put lines of two branches into one block, or the lock is gone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -43,12 +43,15 @@ KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS, FAIL
 
 def block_digests(entry: ControllerLock) -> set[str]:
     """Return the digests of all blocks that a lock knows of a controller, pending ones too."""
-    return {
-        digest_of(block)
-        for blocks in entry.all_blocks
-        for written in blocks.values()
-        for block in written.values()
-    }
+    return set().union(*digests_of_versions(entry))
+
+
+def digests_of_versions(entry: ControllerLock) -> Iterator[frozenset[str]]:
+    """Yield the digests of a controller's blocks in each version that its sources may hold."""
+    for blocks in entry.all_blocks:
+        yield frozenset(
+            digest_of(block) for written in blocks.values() for block in written.values()
+        )
 
 
 def digest_of(written: WrittenBlock) -> str:

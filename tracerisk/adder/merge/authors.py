@@ -43,7 +43,8 @@ class Evidence:
     """Whether nothing that the values depend on has changed since the lock was written, and no
     other branch has come in."""
     is_complete: bool = False
-    """Whether git kept every version of the source."""
+    """Whether git kept every version of the source, and all its blocks are of one of them or of
+    the lock."""
     written: Mapping[str, Sequence[WrittenBlock]] = field(default_factory=dict)
     """The blocks that the tool wrote in those versions, by function."""
     standing: Mapping[str, Sequence[RiskBlock]] = field(default_factory=dict)

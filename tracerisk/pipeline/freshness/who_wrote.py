@@ -10,7 +10,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
-from tracerisk.adder.lock.digest import digest_of
+from tracerisk.adder.lock.digest import digest_of, digests_of_versions
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.sources.renames import FollowedSource, followed_sources
@@ -22,6 +22,7 @@ from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.bases import SourceEvidence
+    from tracerisk.pipeline.history.kept_by_git import Kept
 
 
 def evidence_for(
@@ -49,9 +50,11 @@ def evidence_for(
 
         kept = kept_by_git(controller.root.resolve(), file)
         followed = of_controller()
-        is_of_one = is_fresh() and (file not in followed or _is_as_locked(followed[file]))
+        here = followed.get(file)
+        is_of_run = is_fresh() and (here is None or _is_as_locked(here))
+        is_known = kept.is_complete and (here is None or _is_of_one_version(here, kept, entry))
         versions = {*kept.versions, *_versions_here(entry, followed)}
-        return Evidence(is_of_one, kept.is_complete, kept.written, kept.standing, versions)
+        return Evidence(is_of_run, is_known, kept.written, kept.standing, versions)
 
     return of_file
 
@@ -73,12 +76,22 @@ def _is_as_locked(followed: FollowedSource) -> bool:
     than one rank is another: a function that is new on a branch moves all that come after it.
     """
     written = followed.bases[0]
-    blocks = [placed.block for placed in followed.placed if placed.block.name in written]
     moved = 0
-    for block in blocks:
-        base = written[block.name]
-        if block.digest is not None and block.digest != digest_of(base):
+    for placed in followed.placed:
+        block, base = placed.block, written.get(placed.block.name)
+        if block.digest is not None and (base is None or block.digest != digest_of(base)):
             return False
         rank = block.call_sequence
-        moved += not rank.pinned and rank.text != base.values.get(CALL_SEQUENCE.key)
+        if base is not None:
+            moved += not rank.pinned and rank.text != base.values.get(CALL_SEQUENCE.key)
     return moved < 2
+
+
+def _is_of_one_version(followed: FollowedSource, kept: Kept, entry: ControllerLock | None) -> bool:
+    """Return whether one version of a file, or of the lock, has the digests of all its blocks.
+
+    Else a merge has brought lines of several together, and may have left out some.
+    """
+    here = {placed.block.digest for placed in followed.placed} - {None}
+    locked = () if entry is None or entry.is_mixed else digests_of_versions(entry)
+    return any(here <= digests for digests in (*kept.digests, *locked))

@@ -33,11 +33,14 @@ class Kept:
     """The blocks as they stood in the source, by the function's name, in all versions."""
     versions: set[frozenset[str]] = field(default_factory=set)
     """The functions with a block in each version of the source."""
+    digests: set[frozenset[str]] = field(default_factory=set)
+    """The digests of all blocks in each version of the source."""
 
     def add_source(self, content: bytes, file: str) -> None:
         """Add a version of the source; raises as `read_blocks` does."""
         blocks = [placed.block for placed in read_blocks(content, file)]
         self.versions.add(frozenset(block.name for block in blocks))
+        self.digests.add(frozenset(block.digest for block in blocks if block.digest is not None))
         for block in blocks:
             self.standing.setdefault(block.name, []).append(block)
             part = vouched_part(block)
