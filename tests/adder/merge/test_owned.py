@@ -233,6 +233,17 @@ def test_only_rows_that_can_speak_for_the_own_figure_say_of_which_data_it_is(
     assert loaded.controllers["c.py"].owned["c.py"]["pick"]["gripper"].data == data
 
 
+def test_a_lock_with_figures_of_one_branch_and_data_of_another_says_no_use(pick, place):
+    history = History()
+    history.run(pick(gripper=1e-07), place)
+    ours = history.lock.controllers["c.py"]
+    history.run(pick(gripper=5e-07), place, data="e")
+    entry = replace(history.lock.controllers["c.py"], blocks=ours.blocks, is_mixed=True)
+    history.lock = history.lock.with_controller("c.py", entry)
+    history.edit(b"probability = 5e-07", b"probability := 3e-07  ! supplier letter")
+    assert history.run(pick(gripper=5e-07), place, data="e") == []
+
+
 @pytest.mark.parametrize("uses", [{}, {"c.py": {}}])
 def test_a_value_for_no_use_is_kept_with_its_data(by_hand, pick, place, uses):
     by_hand.run(pick(gripper=1e-07, motor=2e-08), place)

@@ -127,19 +127,21 @@ def _owned(
     now = OwnedValue(value, reason_of(entry), uses_of(final, entry.name), data)
     if before is None:
         return now
+    # Else its figures may be of one branch, and its data of another.
+    is_of_one = before.is_settled
     was = renamed.get(ref, ref)
     new_names = {old: new for new, old in renamed.items()}
     then = _renamed(uses_of(before, entry.name), new_names)
     kept = before.owned.get(was.file, {}).get(was.name, {}).get(entry.name)
     if kept is None or not kept.is_of(now.value, now.reason):
         is_of_data = before.behind.components.get(entry.name, data) == data
-        if was.name not in _ran(before, was.file) or not is_of_data:
+        if was.name not in _ran(before, was.file) or not (is_of_one and is_of_data):
             return now
         return now._replace(uses=then)
     kept = kept._replace(uses=_renamed(kept.uses, new_names))
     if kept.data == data:
         return kept
-    is_new_data = before.behind.components.get(entry.name, kept.data) == kept.data
+    is_new_data = is_of_one and before.behind.components.get(entry.name, kept.data) == kept.data
     is_used = ref in _by_ref(then) and ref in _by_ref(now.uses)
     if is_new_data and is_used and before.fingerprint == final.fingerprint:
         # The same run with other data: each use counts by its new figure.
