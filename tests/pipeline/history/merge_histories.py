@@ -49,8 +49,11 @@ HARDWARE = (
 )
 # A formatter breaks a line that is too long, and the text in it.
 CALLS = re.compile(r'(CALLS =\s*\(?\s*)("[^"]*"(?:\s*"[^"]*")*)')
-_VALUE = re.compile(r"^( *# \|   (?:probability|quantity|redundancy) )(= )(.*)$", re.MULTILINE)
-_SECTION = re.compile(r"^ *# \| @Component \{\n(?: *# \|   .*\n)* *# \| \}\n", re.MULTILINE)
+_GUTTER = r" *(?:# \|| \*)"
+_VALUE = re.compile(rf"^({_GUTTER}   (?:probability|quantity|redundancy) )(= )(.*)$", re.MULTILINE)
+_SECTION = re.compile(
+    rf"^{_GUTTER} @Component \{{\n(?:{_GUTTER}   .*\n)*{_GUTTER} \}}\n", re.MULTILINE
+)
 
 
 @dataclass

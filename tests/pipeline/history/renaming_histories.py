@@ -152,7 +152,7 @@ class RenamingHistory(History):
             self.call([self.chance.choice(names) for _ in range(self.chance.randint(2, 6))])
         elif kind == "component":
             lines = self.lines_of(part)
-            own = [n for n, line in enumerate(lines) if re.search(r"\w+ ?\(arm\);?$", line)]
+            own = [n for n, line in enumerate(lines) if re.match(r" *\w+ ?\(arm\);?$", line)]
             if own:
                 line = lines[own[-1]]
                 new = re.sub(r"\w+(?= ?\(arm\))", self.chance.choice(COMPONENTS), line)
