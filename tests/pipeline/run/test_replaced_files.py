@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -51,22 +52,46 @@ def test_a_run_goes_well_although_its_sources_are_saved_all_the_time(example):
     assert outcome.json == quiet.json
 
 
-@contained
-def test_a_run_says_that_a_file_which_it_read_was_changed_meanwhile(example):
+@pytest.fixture
+def read_by_run(example):
+    """A controller, its settings, and a file that its run reads."""
     script = example.write("c.py", quick_controller("assert rospy.get_param('/step') == 1"))
     params = example.write("params.yaml", "step: 1\n")
     controller = load_controller(script)
-    settings = controller.settings_with({"params": (str(params),)})
+    return controller, controller.settings_with({"params": (str(params),)}), params
+
+
+def set_clock(monkeypatch, ahead_s: float) -> None:
+    """Let the clock be so far ahead of the one by which files are dated."""
+    monkeypatch.setattr(time, "time_ns", lambda: int((time.time() + ahead_s) * 1e9))
+
+
+@contained
+@pytest.mark.parametrize("ahead_s", [0, 3600])
+def test_a_run_says_that_a_file_which_it_read_was_changed_meanwhile(
+    read_by_run, ahead_s, monkeypatch
+):
+    """Also where the clock was ahead as it began, and was set back before it ended."""
+    controller, settings, params = read_by_run
     assert trace_controller(controller, settings).end.is_good
 
     def save(phase: str, _: float) -> None:
         if phase == "attributing":
             params.write_text("step: 2\n")
+            set_clock(monkeypatch, 0)
 
+    set_clock(monkeypatch, ahead_s)
     with pytest.raises(InputError, match="was changed while the run went on; run the same") as no:
         trace_controller(controller, settings, progress=save)
     assert no.value.location is not None
     assert no.value.location.file.endswith("params.yaml")
+
+
+@contained
+def test_a_file_that_is_dated_in_the_future_was_not_changed_meanwhile(read_by_run, monkeypatch):
+    controller, settings, _ = read_by_run
+    set_clock(monkeypatch, -3600)
+    assert trace_controller(controller, settings).end.is_good
 
 
 @contained

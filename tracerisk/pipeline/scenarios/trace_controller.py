@@ -7,7 +7,7 @@ import os
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.common.dependencies import require_runs
 from tracerisk.config import Settings
@@ -65,14 +65,25 @@ def trace_controller(
         return trace_live(controller, settings, options)
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
-    began_ns = time.time_ns()
+    began = _clocks()
     trace = trace_with_draft(controller, settings, options)
-    _forbid_changed(trace, controller, settings, began_ns)
+    _forbid_changed(trace, controller, settings, began)
     return trace
 
 
+class _Clocks(NamedTuple):
+    of_day_ns: int
+    """What dates files; somebody may set it at any time."""
+    running_ns: int
+    """What nobody sets."""
+
+
+def _clocks() -> _Clocks:
+    return _Clocks(time.time_ns(), time.monotonic_ns())
+
+
 def _forbid_changed(
-    trace: Trace, controller: Controller, settings: Settings, began_ns: int
+    trace: Trace, controller: Controller, settings: Settings, began: _Clocks
 ) -> None:
     """Raise InputError where a file that a run read was changed since it began.
 
@@ -83,13 +94,18 @@ def _forbid_changed(
 
     if not is_contained(settings.limits.sandbox):
         return
+    ended = _clocks()
+    lasted_ns = ended.running_ns - began.running_ns
+    # If the clock was set meanwhile, files bear dates by the one before, or by the one since.
+    spans = (began.of_day_ns, lasted_ns), (ended.of_day_ns - lasted_ns, lasted_ns)
     root = controller.root.resolve()
     read = {*trace.inputs, *files_named(controller, settings)} - {controller.file, *trace.files}
     written = [Path(folder).resolve() for folder in settings.writable]
     for path in (Path(os.path.normpath(root / file)) for file in sorted(read)):
         with contextlib.suppress(OSError):
             is_own = any(map(path.is_relative_to, written))
-            if path.stat().st_ctime_ns > began_ns and not is_own:
+            changed_ns = path.stat().st_ctime_ns
+            if not is_own and any(0 < changed_ns - first <= lasted for first, lasted in spans):
                 raise InputError(
                     "was changed while the run went on; run the same command again",
                     Location(os.path.relpath(path)),
