@@ -191,7 +191,7 @@ ELSEWHERE = {
     "a component that a branch that renamed it lacks": (False, GRIPPER, "", "unknown"),
     "a component that the function beside it lacks": (True, GRIPPER, "", "user"),
     "a component of a branch that renamed it": (False, GRIPPER, GRIPPER + HOSE, "unknown"),
-    "a component of the function beside it": (True, GRIPPER, GRIPPER + HOSE, "user"),
+    "a component of the function beside it": (True, GRIPPER, GRIPPER + HOSE, "unknown"),
 }
 
 

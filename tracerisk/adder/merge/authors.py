@@ -172,15 +172,16 @@ class KnownBlock:
 
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""
-        before = [
-            written_component.components.get(component) for written_component in self._written()
-        ]
-        figures = [item.values.get(PROBABILITY.key) for item in before if item is not None]
-        if any(text is not None and PROBABILITY.read(text) == value for text in figures):
+        def is_it(block: WrittenBlock) -> bool:
+            text = _value(block, component, PROBABILITY)
+            return text is not None and bool(PROBABILITY.read(text) == value)
+
+        if any(map(is_it, self._written())):
             return "tool"
         names = self._possible_names()
-        if any(
-            component in written_component.components for written_component in self._written(names)
+        # A merge may have moved the section here from the block of another function.
+        if any(component in block.components for block in self._written(names)) or any(
+            map(is_it, self._written(self._all_names()))
         ):
             return "unknown"
         stood = any(
