@@ -172,6 +172,7 @@ class KnownBlock:
 
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""
+
         def is_it(block: WrittenBlock) -> bool:
             text = _value(block, component, PROBABILITY)
             return text is not None and bool(PROBABILITY.read(text) == value)
