@@ -61,6 +61,7 @@ _OF_FINDING = {
     "one_robot": "robot-assumed",
     "name_assumed": "robot-assumed",
     "distro_assumed": "distro-assumed",
+    "past_limit": "past-limit",
     "stopped_at_limit": "stopped-at-limit",
     "denied": "access-denied",
     "unused": UNUSED_INPUT,

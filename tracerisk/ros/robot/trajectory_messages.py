@@ -11,11 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.instrument.recording import NEAR
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.trajectories.robot_spaces import RobotSpaces
-from tracerisk.ros.robot.trajectories.trajectory_rules import TrajectoryRules, within_limits
+from tracerisk.ros.robot.trajectories.trajectory_rules import (
+    TrajectoryRules,
+    stopped_positions,
+    within_limits,
+)
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import JointTrajectory
@@ -98,10 +103,26 @@ class TrajectoryNode(TwinNode):
             _, beyond = within_limits(asked, robot, _PRESSED)
             trajectory = asked
             past = {joint: words for joint, words in beyond.items() if joint in fingers}
+            self._look_on_the_way(what, asked, fingers, stack)
         for joint, words in past.items():
             taken = f"{what} takes joint '{joint}' {words}"
             self._commands.report("stopped_at_limit", taken, stack, object_name=joint)
         return trajectory
+
+    def _look_on_the_way(
+        self, what: str, asked: JointTrajectory, fingers: set[str], stack: Stack
+    ) -> None:
+        """Report joints that are past their limits before the last point, and not in it.
+
+        The last point is the goal of the command, whose end says what became of it.
+        """
+        robot = self._twin.robot
+        _, past = stopped_positions(asked.joints, asked.position, robot, NEAR)
+        _, ends = stopped_positions(asked.joints, asked.position[-1:], robot, NEAR)
+        for joint, words in past.items():
+            if joint not in fingers and joint not in ends:
+                taken = f"{what} takes joint '{joint}' on its way {words}"
+                self._commands.report("past_limit", taken, stack, object_name=joint)
 
 
 def of_its_joints(message: Any) -> Any:
