@@ -253,6 +253,17 @@ def test_another_way_between_the_same_rests_is_named():
     assert line.endswith("is up to 100 mm away from the old one")
 
 
+def test_another_way_to_the_first_rest_is_named_where_both_beginnings_are_known():
+    straight = outcome(rest(0.3, from_m=(0.0, 0.0, 0.3)))
+    around = outcome(rest(0.3, from_m=(0.0, 0.0, 0.3), via_m=((0.15, 0.1, 0.3),)))
+    changes = outcome_changes(straight, around)
+    (line,) = changes.lost
+    assert line.startswith("the way to rest 1 of 1")
+    assert line.endswith("is up to 100 mm away from the old one")
+    assert changes.is_other_way
+    assert not outcome_changes(outcome(rest(0.3)), around)
+
+
 def test_pace_is_named_and_decides_nothing():
     before = outcome(HOME, replace(ABOVE, held_s=3.0, took_s=4.0), DOWN)
     after = outcome(HOME, replace(ABOVE, held_s=0.1, took_s=0.8), DOWN)
@@ -292,6 +303,7 @@ rests = st.builds(
     took_s=tenths,
     held_s=tenths,
     via_m=st.lists(places, max_size=3),
+    from_m=st.none() | places,
 )
 uses = st.one_of(
     rests,

@@ -317,7 +317,10 @@ class _Comparison:
 
     @cached_property
     def _other_ways(self) -> dict[int, str]:
-        """Rests that are reached by another way of the tool, from the same rest, by their order."""
+        """Rests that are reached by another way of the tool, by their order.
+
+        Both ways lead from the same rest, or from where the runs began.
+        """
         ways: dict[int, str] = {}
         corner_m = max(self._old.corner_m, self._new.corner_m)
         if not (self._old.corner_m and self._new.corner_m):
@@ -329,11 +332,15 @@ class _Comparison:
             if not isinstance(old, Rest) or not isinstance(new, Rest):
                 continue
             left, now_left = before[old.order], after[new.order]
-            if left is None or now_left is None or twin.get(left.order) != now_left.order:
+            if left is not None and now_left is not None:
+                if twin.get(left.order) != now_left.order:
+                    continue
+                begin = now_begin = left.tool_m
+            elif left is None and now_left is None and old.from_m and new.from_m:
+                begin, now_begin = old.from_m, new.from_m
+            else:
                 continue
-            off = ways_apart(
-                (left.tool_m, *old.via_m, old.tool_m), (left.tool_m, *new.via_m, old.tool_m)
-            )
+            off = ways_apart((begin, *old.via_m, old.tool_m), (now_begin, *new.via_m, old.tool_m))
             if off > _WAY * corner_m:
                 name = self._rest_name(old)
                 ways[old.order] = (

@@ -111,7 +111,8 @@ def _with_fewer_corners(outcome: Outcome, corner_m: float) -> Outcome:
     rests: list[Rest] = []
     last: dict[int, Position] = {}
     for rest in outcome.rests:
-        way = (last.get(rest.arm, rest.tool_m), *rest.via_m, rest.tool_m)
+        begin = last.get(rest.arm, rest.from_m or rest.tool_m)
+        way = (begin, *rest.via_m, rest.tool_m)
         via = corners(way, corner_m) if corner_m and rest.via_m else []
         rests.append(replace(rest, via_m=tuple(via)))
         last[rest.arm] = rest.tool_m
@@ -217,12 +218,13 @@ def _rest_text(rest: Rest, known: dict[tuple[int, tuple[float, ...]], int]) -> s
     """Return a rest in whole mrad or mm; one that was there before by its number."""
     key = rest.arm, rest.joints
     times = f"{_ticks(rest.took_s)} {_ticks(rest.held_s)}"
-    via = f" via {','.join(map(_steps, rest.via_m))}" if rest.via_m else ""
+    way = "" if rest.from_m is None else f" from {_steps(rest.from_m)}"
+    way += f" via {','.join(map(_steps, rest.via_m))}" if rest.via_m else ""
     if key in known:
-        return f"={known[key]} {times}{via}"
+        return f"={known[key]} {times}{way}"
     known[key] = len(known)
     arm = f"{rest.arm}" if rest.arm else ""
-    return f"r{arm} {_steps(rest.joints)}@{times}{via}"
+    return f"r{arm} {_steps(rest.joints)}@{times}{way}"
 
 
 def _steps(values: Sequence[float]) -> str:
@@ -320,6 +322,7 @@ def _read_object(text: str) -> ObjectOutcome:
 
 def _read_rest(letter: str, text: str, order: int, known: list[Rest], arms: Sequence[Arm]) -> Rest:
     text, _, via = text.partition(" via ")
+    text, _, begin = text.partition(" from ")
     if letter[0] == "=":
         before, times = known[int(letter[1:])], text
         number, joints = before.arm, before.joints
@@ -335,6 +338,7 @@ def _read_rest(letter: str, text: str, order: int, known: list[Rest], arms: Sequ
         took_s=rounded(int(took) * TICK_S, TICK_S),
         held_s=rounded(int(held) * TICK_S, TICK_S),
         via_m=[_read_position(corner) for corner in via.split(",")] if via else (),
+        from_m=_read_position(begin) if begin else None,
     )
     if letter[0] == "r":
         known.append(rest)

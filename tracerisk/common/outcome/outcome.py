@@ -77,6 +77,8 @@ class Rest:
     """Which arm it is, by its place in `Outcome.arms`."""
     via_m: tuple[Position, ...] = ()
     """The corners of the tool's way there from the rest before, [m]."""
+    from_m: Position | None = None
+    """Where the tool began, of an arm's first rest, [m]; `None` for others, or where unknown."""
 
 
 def rest_of(
@@ -88,6 +90,7 @@ def rest_of(
     took_s: float = 0.0,
     held_s: float = 0.0,
     via_m: Iterable[Position] = (),
+    from_m: Position | None = None,
 ) -> Rest:
     """Return the rest of an arm in a posture; the tool is where its kinematics say.
 
@@ -98,7 +101,15 @@ def rest_of(
     sign = -1.0 if next((value for value in turn if abs(value) > _SMALL), 1.0) < 0.0 else 1.0
     w, x, y, z = (rounded(sign * value, 0.0001) for value in turn)
     return Rest(
-        order, posture, rounded_position(place), (w, x, y, z), held_s, took_s, number, tuple(via_m)
+        order,
+        posture,
+        rounded_position(place),
+        (w, x, y, z),
+        held_s,
+        took_s,
+        number,
+        tuple(via_m),
+        from_m,
     )
 
 

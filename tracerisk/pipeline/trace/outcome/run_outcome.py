@@ -135,6 +135,7 @@ class _Maker:
                 took_s=took_s,
                 held_s=stood_s,
                 via_m=self._via(arm, left_ns, span.end_ns),
+                from_m=self._began_at(arm) if last is None else None,
             )
             left_ns = span.next_ns
             if last is not None and not rest.via_m and _is_same(rest.joints, last.joints):
@@ -165,11 +166,17 @@ class _Maker:
         first, last = self._step(start_ns), self._step(end_ns)
         if last - first < 2 * _WAY_EVERY:
             return ()
-        rows = np.append(np.arange(first, last, _WAY_EVERY), last)
+        way = self._tool_way(arm, np.append(np.arange(first, last, _WAY_EVERY), last))
+        return tuple(rounded_position(corner) for corner in corners(way, CORNER_M))
+
+    def _began_at(self, arm: Arm) -> Position:
+        (place,) = self._tool_way(arm, np.array([0]))
+        return rounded_position(place)
+
+    def _tool_way(self, arm: Arm, rows: NDArray[np.int64]) -> list[Position]:
         columns = [self.samples.header.joints.index(name) for name in arm.joints]
         places = tool_places(arm, self.samples.position[rows][:, columns]).tolist()
-        way = [(x, y, z) for x, y, z in places]
-        return tuple(rounded_position(corner) for corner in corners(way, CORNER_M))
+        return [(x, y, z) for x, y, z in places]
 
     @cached_property
     def _end_ns(self) -> int:
