@@ -759,6 +759,11 @@ def test_evidence_is_weighed_on_a_line_of_its_own_only_where_it_says_more(tmp_pa
     assert one.name == "panda"
     assert "panda_joint1" in one.chosen_by
     assert one.weighed == ""
+    source = f'joints = {joints}\nname = "panda_arm_controller"\n'
+    more = chosen(tmp_path / "more", go_DOT_py=source).robot.weighed
+    assert more.startswith("panda has ")
+    assert "points: also its source names parts of it: panda_arm_controller" in more
+    assert "panda_joint1" not in more
 
 
 ARM_AND_GRIPPER = "".join(

@@ -137,17 +137,24 @@ def shown(evidence: Iterable[Evidence]) -> tuple[Evidence, ...]:
     return tuple(sorted(kept, key=lambda one: (-one.points, one.robot, one.words)))
 
 
-def weighed(evidence: Iterable[Evidence], best: str) -> str:
-    """Return in one line what speaks for a robot, and how many points the next ones have.
+def weighed(evidence: Iterable[Evidence], best: str, reason: str) -> str:
+    """Return in one line what speaks for a robot beside the reason that is given for it.
 
-    Without lines of sources: they change with the blocks that a run writes.
+    With it stands how many points it has, and the next ones; empty where there is neither. Without
+    lines of sources: they change with the blocks that a run writes.
     """
     evidences = tuple(evidence)
     points = _sums(evidences)
     own = sorted((one for one in evidences if one.robot == best), key=lambda one: -one.points)
-    said = "; ".join(f"{one.words} ({one.file})" for one in own[:_MOST_SAID])
+    given = set(reason.split("; "))
+    reasons = (f"{one.words} ({one.file})" for one in own[:_MOST_SAID])
+    also = "; ".join(one for one in reasons if one not in given)
     others = sorted((-sum_, name) for name, sum_ in points.items() if name != best and sum_ > LEAST)
-    line = f"{best} has {points.get(best, 0.0):.0f} points: {said}"
+    if not also and not others:
+        return ""
+    line = f"{best} has {points.get(best, 0.0):.0f} points"
+    if also:
+        line = f"{line}: also {also}"
     if others:
         named = ", ".join(f"{name} {-sum_:.0f}" for sum_, name in others[:_MOST_SAID])
         line = f"{line}; the next: {named}"

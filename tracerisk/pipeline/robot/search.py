@@ -108,9 +108,8 @@ class _Search:
         ranking = ranked(gathered.evidence, (*known, *_USUAL))
         choice = self._taken(gathered, ranking)
         if ranking.best:
-            line = weighed(gathered.evidence, ranking.best)
-            if _says_more(line, choice.robot.chosen_by):
-                choice = replace(choice, robot=replace(choice.robot, weighed=line))
+            line = weighed(gathered.evidence, ranking.best, choice.robot.chosen_by)
+            choice = replace(choice, robot=replace(choice.robot, weighed=line))
         return replace(choice, skipped=gathered.found.skipped, evidence=shown(gathered.evidence))
 
     def _taken(self, gathered: Gathered, ranking: Ranking) -> RobotChoice:
@@ -256,12 +255,6 @@ def _reason(robot: str, gathered: Gathered) -> str:
     parts = [one for one in own if one.kind != "name"][:1]
     names = [one for one in own if one.kind == "name"][:1]
     return "; ".join(f"{one.words} ({one.file})" for one in (*parts, *names))
-
-
-def _says_more(weighed_line: str, reason: str) -> bool:
-    """Return whether what is weighed for a robot names more than the reason it is taken for."""
-    _, _, said = weighed_line.partition(" points: ")
-    return not set(said.split("; ")) <= set(reason.split("; "))
 
 
 def _doubts(ranking: Ranking, gathered: Gathered) -> Iterator[str]:
