@@ -211,6 +211,11 @@ def test_at_most_five_components_are_shown_the_greatest_first(assessment):
 
 
 def test_readings_of_one_figure_are_named_and_others_stand_side_by_side(assessment):
+    once = replace(
+        assessment,
+        states=tuple(replace(each, expected_visits=1.0) for each in assessment.states),
+    )
+    assert "However repeats" not in render_assessment(once)
     lines = render_assessment(assessment).splitlines()
     text = "However repeats are counted, it is the same: geometric cycles, fixed cycles, as"
     assert text in " ".join(lines)

@@ -60,7 +60,8 @@ def render_assessment(
 
     def write(console: Console) -> None:
         _print_sentences(console, assessment, band)
-        console.print(Text(_readings(assessment)))
+        if readings := _readings(assessment):
+            console.print(Text(readings))
         console.print()
         console.print(functions_table(assessment, exposures, console.width))
         _print_lines(console, "Findings", (*findings, *assessment.findings))
@@ -206,6 +207,8 @@ def _readings(assessment: Assessment) -> str:
     risk = mission.failure_probability
     relative = spread / risk if risk > 0.0 else 0.0
     if relative < _SEEN:
+        if all(state.expected_visits <= 1.0 for state in assessment.states):
+            return ""
         return f"However repeats are counted, it is the same: {', '.join(figures)}."
     text = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
     text = f"{text[0].upper()}{text[1:]}: they differ by {100.0 * relative:.2g} %."
