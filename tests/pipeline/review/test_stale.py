@@ -309,9 +309,10 @@ def test_a_run_that_was_refused_is_named_and_not_promised_to_refresh(cell):
     sources = {**entry.inputs["sources"], "helper.py": code_digest(b"REACH = 0.5\n", "helper.py")}
     refused = with_refused(entry, faulted, {**entry.inputs, "sources": sources})
     cell.write("tracerisk.lock", Lock().with_controller("pick.py", refused).dumps())
-    said = "pick.py is not assessed as it is now: its last run is faulted: 'jar' fell"
+    said = "pick.py is not assessed as it is now: its last run is faulted, and wrote no blocks;"
     out = " ".join(cell.run("diff", "HEAD").out.split())
     assert said in out
+    assert out.count("'jar' fell") == 1
     assert "and wrote no blocks; mend it, then `tracerisk refresh pick.py`." in out
     assert "writes them again" not in out
     assert "its blocks give" not in out

@@ -191,6 +191,16 @@ def test_the_first_sentence_names_a_cause_of_another_kind_that_made_much_of_it(
     )
 
 
+def test_the_first_sentence_names_the_next_cause_where_none_made_more_than_half(
+    difference, review_of
+):
+    steps = one_step("motor = 1e-7; encoder = 1e-7"), one_step("motor = 2e-7; encoder = 2e-7")
+    sentence = first_sentence(render_diff(review_of(difference(*steps))))
+    assert "50 % of the rise, and " in sentence
+    assert "encoder in " in sentence
+    assert "motor in " in sentence
+
+
 def test_the_first_sentence_says_why_the_first_cycle_changes_by_another_ratio(
     difference, review_of
 ):

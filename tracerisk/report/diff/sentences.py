@@ -116,7 +116,7 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         assert diff.after is not None, "one version at least has blocks"
         figure = probability(diff.after.failure_probability)
         if diff.stale:
-            text = f"{diff.name} {not_assessed(diff)}; "
+            text = f"{diff.name} {not_assessed(diff, below_verdict=below_verdict)}; "
             return text + _old_figure(diff, diff.after.failure_probability) + _remedy(diff)
         return (
             f"{diff.name} is assessed for the first time: its mission fails with "
@@ -129,7 +129,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
     if diff.evidence_change:
         return _by_evidence(diff, old, new) + _stale(diff)
     if diff.is_unchanged and diff.stale and not _structural(diff):
-        return f"{diff.name} {not_assessed(diff)}; {_old_figure(diff, new)}{_remedy(diff)}"
+        why = not_assessed(diff, below_verdict=below_verdict)
+        return f"{diff.name} {why}; {_old_figure(diff, new)}{_remedy(diff)}"
     if diff.is_same_figure:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}{missions}"
         text += _of_which(diff)
@@ -186,7 +187,7 @@ def _main_cause(diff: RiskDiff) -> str:
     """Return what made most of a change, with its share; where others work against, what each does.
 
     What works against the change is not what made it. Beside code, new data are named, and the
-    reverse, where they made much of it.
+    reverse, where they made much of it; where no cause made more than half, so is the next one.
     """
     parts = [(cause, (cause.contribution or 0.0) / diff.increase) for cause in diff.causes]
     first = next(((cause, share) for cause, share in parts if share > 0.0), None)
@@ -208,8 +209,10 @@ def _main_cause(diff: RiskDiff) -> str:
     if len(parts) == 1 and round(100.0 * share) == 100:
         return text
     text += f", {100.0 * share:.0f} % of the {'rise' if diff.increase > 0.0 else 'fall'}"
+    # Half of a change is not most of it, and what made the other half is named too.
+    is_half = round(100.0 * share) <= 50
     for other, part in parts:
-        if other.kinds != cause.kinds and part >= _ALSO:
+        if other is not cause and (is_half or other.kinds != cause.kinds) and part >= _ALSO:
             return f"{text}, and {other.summary}{_because(other)}, {100.0 * part:.0f} %"
     return text
 
@@ -263,11 +266,15 @@ def _stale(diff: RiskDiff) -> str:
     return f"; {diff.name} {not_assessed(diff)}; {_remedy(diff)}" if diff.stale else ""
 
 
-def not_assessed(diff: RiskDiff) -> str:
-    """Return why the blocks of a controller are not those of a run of it as it is."""
+def not_assessed(diff: RiskDiff, *, below_verdict: bool = False) -> str:
+    """Return why the blocks of a controller are not those of a run of it as it is.
+
+    Where it stands `below_verdict`, the reason of a run that went wrong is not said again.
+    """
     if diff.refused:
         # How much of it ran stands in the line of the verdict.
         why, _, _ = diff.refused.rpartition("; ")
+        why = why.partition(": ")[0] if below_verdict else why
         return f"is not assessed as it is now: its last run is {why}, and wrote no blocks"
     verdicts = diff.verdicts
     is_run = verdicts is not None and verdicts.in_after and verdicts.after is not None
