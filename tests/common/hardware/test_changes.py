@@ -151,7 +151,8 @@ def test_the_same_rate_in_fit_is_no_change(tmp_path: Path):
     assert changes(*paths) == []
     paths[1].write_text(fit.replace("210", "420"))
     (line,) = changes(*paths)
-    assert line.startswith("motor: failure_rate 2.1e-07/h (IEC 61709) -> 4.2e-07/h of 420 FIT (")
+    # A source that both have is said once.
+    assert line == "motor: failure_rate 2.1e-07/h -> 4.2e-07/h of 420 FIT (both: IEC 61709)"
 
 
 ARM = "components:\n  motor: {{probability: {{value: 1e-7, per: minute}}, twin: {{joints: {0}}}}}\n"

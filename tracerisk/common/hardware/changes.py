@@ -128,7 +128,7 @@ def _changed_figures(
     for key in [key for key in come if key in gone]:
         old, new = gone.pop(key), come.pop(key)
         if _texts(old) != _texts(new) and old != new:
-            yield f"{key} {_texts(old, new)} -> {_texts(new)}"
+            yield f"{key} {_from_to(old, new)}"
     if gone and come:
         old, new = (list(chain.from_iterable(kinds.values())) for kinds in (gone, come))
         yield f"{', '.join(gone)} {_texts(old, new)} -> {', '.join(come)} {_texts(new)}"
@@ -145,12 +145,26 @@ def _figures(component: Component, hardware: Hardware) -> dict[str, list[_Source
     return figures
 
 
-def _texts(figures: Sequence[_Sourced], others: Sequence[_Sourced] = ()) -> str:
+def _from_to(old: Sequence[_Sourced], new: Sequence[_Sourced]) -> str:
+    """Return earlier and later figures; a source that all of them have is said once."""
+    sources = {source for _, source in (*old, *new)}
+    if len(sources) > 1:
+        return f"{_texts(old, new)} -> {_texts(new)}"
+    was, now = _texts(old, new, with_source=False), _texts(new, with_source=False)
+    return f"{was} -> {now} (both: {sources.pop()})"
+
+
+def _texts(
+    figures: Sequence[_Sourced], others: Sequence[_Sourced] = (), *, with_source: bool = True
+) -> str:
     """Return figures with their sources; a single one also in the unit of a single other one."""
     same = ""
     if len(figures) == len(others) == 1:
         same = _in_unit_of(figures[0][0], others[0][0])
-    return ", ".join(f"{_text(figure)}{same} ({source})" for figure, source in figures)
+    return ", ".join(
+        f"{_text(figure)}{same}" + (f" ({source})" if with_source else "")
+        for figure, source in figures
+    )
 
 
 def _in_unit_of(figure: FailureFigure, other: FailureFigure) -> str:
