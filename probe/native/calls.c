@@ -386,24 +386,25 @@ static void note_exit(int code, void *nothing)
 
 /* ---- Whether nothing is in progress: all that is expected is what comes from elsewhere. ---- */
 
-static bool tells_spins; /* a live run asks; on a robot nobody does, and callbacks come often */
+static bool tells_waits; /* a live run asks; on a robot nobody does, and callbacks come often */
+static int calling_back; /* threads that are in a callback */
 static int spinning;     /* whether the main thread waits for callbacks alone, or for the end */
-static int working;      /* threads that are in a callback, or asleep */
-static bool has_told_spins;
-static LOCAL bool is_spinning;   /* `spinning`, of this thread */
-static LOCAL int works;          /* callbacks and sleeps of this thread, one within the other */
-static LOCAL bool takes_time;    /* a thread of ROS itself, for each time that comes */
+static unsigned told_callbacks, told_spins;
+static LOCAL bool is_spinning; /* `spinning`, of this thread */
+static LOCAL int works;        /* callbacks and waits of this thread, one within the other */
+static LOCAL bool takes_time;  /* a thread of ROS itself, for each time that comes */
 
-static void tell_spins(void)
+static void tell_state(void)
 {
   if (!is_on || !has_begun || is_recording) return;
   int error = errno;
   is_recording = true;
   pthread_mutex_lock(&lock);
-  bool spins = __atomic_load_n(&spinning, __ATOMIC_SEQ_CST) &&
-               !__atomic_load_n(&working, __ATOMIC_SEQ_CST);
-  if (spins != has_told_spins) put_of_process("\"spins\":", spins);
-  has_told_spins = spins;
+  unsigned calls_back = __atomic_load_n(&calling_back, __ATOMIC_SEQ_CST) > 0;
+  unsigned spins = __atomic_load_n(&spinning, __ATOMIC_SEQ_CST) > 0;
+  if (calls_back != told_callbacks) put_of_process("\"calls_back\":", calls_back);
+  if (spins != told_spins) put_of_process("\"spins\":", spins);
+  told_callbacks = calls_back, told_spins = spins;
   pthread_mutex_unlock(&lock);
   is_recording = false;
   errno = error;
@@ -411,29 +412,24 @@ static void tell_spins(void)
 
 /* They take what ends with the function that calls them, even if it throws: see `cleanup`. */
 
-static bool begin_work(void)
+static bool begin_callback(void)
 {
-  if (!tells_spins) return false;
-  if (!works++ && __atomic_add_fetch(&working, 1, __ATOMIC_SEQ_CST) == 1) tell_spins();
+  if (!tells_waits || takes_time) return false;
+  if (!works++ && __atomic_add_fetch(&calling_back, 1, __ATOMIC_SEQ_CST) == 1) tell_state();
   return true;
 }
 
-static void end_work(const bool *has_begun_it)
+static void end_callback(const bool *has_begun_it)
 {
-  if (*has_begun_it && !--works && !__atomic_sub_fetch(&working, 1, __ATOMIC_SEQ_CST))
-    tell_spins();
+  if (*has_begun_it && !--works && !__atomic_sub_fetch(&calling_back, 1, __ATOMIC_SEQ_CST))
+    tell_state();
 }
-
-static bool begin_callback(void) { return !takes_time && begin_work(); }
-
-/* What a spin itself sleeps is no work. */
-static bool begin_sleep(void) { return (!is_spinning || works) && begin_work(); }
 
 static bool begin_spin(void)
 {
-  if (!tells_spins || is_spinning || syscall(SYS_gettid) != getpid()) return false;
+  if (!tells_waits || is_spinning || syscall(SYS_gettid) != getpid()) return false;
   __atomic_store_n(&spinning, is_spinning = true, __ATOMIC_SEQ_CST);
-  tell_spins();
+  tell_state();
   return true;
 }
 
@@ -441,13 +437,32 @@ static void end_spin(const bool *has_begun_it)
 {
   if (!*has_begun_it) return;
   __atomic_store_n(&spinning, is_spinning = false, __ATOMIC_SEQ_CST);
-  tell_spins();
+  tell_state();
 }
 
-#define WHILE(begin, end) __attribute__((cleanup(end))) const bool during = begin(); (void)during
-#define CALLING_BACK WHILE(begin_callback, end_work)
-#define SLEEPING WHILE(begin_sleep, end_work)
-#define SPINNING WHILE(begin_spin, end_spin)
+static bool tell_wait(bool begins, const void *caller);
+
+/* Of a wait that ends by itself it is told where, for a loop may come back to it for ever; what a
+ * spin or a callback waits is none. One on a condition counts where the node's own code waits. */
+static bool begin_wait(const void *caller)
+{
+  if (!tells_waits || is_spinning || works || !is_on || !has_begun || is_recording) return false;
+  works = tell_wait(true, caller);
+  return works;
+}
+
+static void end_wait(const bool *has_begun_it)
+{
+  if (!*has_begun_it) return;
+  works = 0;
+  tell_wait(false, NULL);
+}
+
+#define WHILE(begins, end) __attribute__((cleanup(end))) const bool during = begins; (void)during
+#define CALLING_BACK WHILE(begin_callback(), end_callback)
+#define WAITING WHILE(begin_wait(NULL), end_wait)
+#define WAITING_BY_OWN_CODE WHILE(begin_wait(__builtin_return_address(0)), end_wait)
+#define SPINNING WHILE(begin_spin(), end_spin)
 
 struct stack {
   uintptr_t at[DEEPEST];
@@ -501,6 +516,27 @@ static void forget_end(const void *gone)
       if (known->end == gone) known->end = &nobody;
 }
 
+/* Whether what returns to an address is in the node's own binaries. */
+static bool is_own(uintptr_t address)
+{
+  for (int at = 0; at < module_count; ++at)
+    if (address - 1 - modules[at].begin < modules[at].end - modules[at].begin) return true;
+  return false;
+}
+
+/* Write the node's own part of a stack, and the end of the line. */
+static char *put_stack(char *to, const struct stack *stack)
+{
+  to = put(put_number(put(to, ",\"map\":"), (uint64_t)map_number), ",\"at\":[");
+  const char *first = to;
+  for (int frame = 0; frame < stack->depth; ++frame) {
+    if (!is_own(stack->at[frame])) continue;
+    if (to != first) *to++ = ',';
+    to = put_number(to, stack->at[frame]);
+  }
+  return put(to, stack->is_cut ? "],\"cut\":1}\n" : "]}\n");
+}
+
 /* What is recorded: a command, or with the number of a call its end. */
 struct command {
   const char *kind, *name;
@@ -529,18 +565,7 @@ static uint64_t write_record(const struct command *command, const struct stack *
   memcpy(to, counter->written, counter->written_length);
   to = put_number(put(to + counter->written_length, ",\"seq\":"), seq);
   if (counter->end_number) to = put_number(put(to, ",\"of\":"), counter->end_number);
-  to = put_number(put(to, ",\"map\":"), (uint64_t)map_number);
-  to = put(to, ",\"at\":[");
-  const char *first = to;
-  for (int frame = 0; frame < stack->depth; ++frame)
-    for (int at = 0; at < module_count; ++at)
-      if (stack->at[frame] - 1 - modules[at].begin < modules[at].end - modules[at].begin) {
-        if (to != first) *to++ = ',';
-        to = put_number(to, stack->at[frame]);
-        break;
-      }
-  to = put(to, stack->is_cut ? "],\"cut\":1}\n" : "]}\n");
-  wrote(to);
+  wrote(put_stack(to, stack));
   return seq;
 }
 
@@ -558,6 +583,31 @@ static uint64_t record(const struct command *command)
   is_recording = false;
   errno = error;
   return seq;
+}
+
+static const char wait[] = "wait", waited[] = "waited";
+
+/* Record that this thread begins a wait, or that it is over; return whether it did. */
+static bool tell_wait(bool begins, const void *caller)
+{
+  static const uint64_t none = 0;
+  if (!is_on || is_recording) return false;
+  int error = errno;
+  struct stack stack = {.depth = 0, .is_cut = false};
+  is_recording = true;
+  if (!tid) tid = (int)syscall(SYS_gettid);
+  pthread_mutex_lock(&lock);
+  list_modules();
+  if (begins && (!caller || is_own((uintptr_t)caller))) _Unwind_Backtrace(note_frame, &stack);
+  bool counts = !begins;
+  for (int frame = 0; frame < stack.depth && !counts; ++frame) counts = is_own(stack.at[frame]);
+  if (counts)
+    write_record(&(struct command){begins ? wait : waited, "", 0, NULL, begins ? NULL : &none},
+                 &stack);
+  pthread_mutex_unlock(&lock);
+  is_recording = false;
+  errno = error;
+  return counts;
 }
 
 static const char publish[] = "publish", goal[] = "goal", call[] = "call", end[] = "end";
@@ -590,8 +640,8 @@ static void after_fork(void)
   tid = 0;
   is_recording = false;
   spinning = is_spinning;
-  working = works > 0;
-  has_told_spins = false;
+  calling_back = works > 0;
+  told_spins = told_callbacks = 0;
   for (int at = 0; at < BUCKETS; ++at)
     for (struct counter *known = counters[at]; known; known = known->next) known->count = 0;
   bool is_node = has_begun;
@@ -603,7 +653,7 @@ static void after_fork(void)
 static void *behind(const char *name)
 {
   static const char *const libraries[] = {"libroscpp.so", "librcl.so", "librcl_action.so",
-                                          "librcutils.so", "librostime.so"};
+                                          "librcutils.so", "librostime.so", "librclcpp.so"};
   void *found = dlsym(RTLD_NEXT, name);
   for (size_t at = 0; !found && at < sizeof libraries / sizeof *libraries; ++at) {
     /* An extension of Python loads it for itself alone. */
@@ -669,7 +719,7 @@ __attribute__((constructor)) static void begin(void)
   }
   strcat(file, named);
   is_on = 1;
-  tells_spins = beginning() != 0;
+  tells_waits = beginning() != 0;
   pthread_atfork(NULL, NULL, after_fork);
 #ifdef __GLIBC__
   on_exit(note_exit, NULL);
@@ -745,13 +795,13 @@ EXPORT int ROS1_CALL_BACK(void *self, void *called)
 
 EXPORT bool ROS1_SLEEP(const void *self)
 {
-  SLEEPING;
+  WAITING;
   return BEHIND(ROS1_SLEEP)(self);
 }
 
 EXPORT bool ROS1_SLEEP_UNTIL(const void *end)
 {
-  SLEEPING;
+  WAITING;
   return BEHIND(ROS1_SLEEP_UNTIL)(end);
 }
 
@@ -963,29 +1013,112 @@ EXPORT int rcl_send_request(const void *self, const void *request, int64_t *numb
   return BEHIND(rcl_send_request)(self, request, number);
 }
 
-/* ---- Sleeps on the wall clock ---- */
+/* ---- ROS 2: what rclcpp waits for. An executor that is not here calls back by other ways. ---- */
+
+#define ROS2_SPIN_ONE _ZN6rclcpp9executors22SingleThreadedExecutor4spinEv
+#define ROS2_SPIN_MANY _ZN6rclcpp9executors21MultiThreadedExecutor4spinEv
+#define ROS2_CALL_BACK _ZN6rclcpp8Executor22execute_any_executableERNS_13AnyExecutableE
+#define ROS2_TOPIC_OF _ZNK6rclcpp16SubscriptionBase14get_topic_nameEv
+#define ROS2_SLEEP_UNTIL _ZN6rclcpp5Clock11sleep_untilENS_4TimeESt10shared_ptrINS_7ContextEE
+#define ROS2_SLEEP \
+  _ZN6rclcpp7Context9sleep_forERKNSt6chrono8durationIlSt5ratioILl1ELl1000000000EEEE
+
+const char *ROS2_TOPIC_OF(const void *subscription); /* never linked */
+
+EXPORT void ROS2_SPIN_ONE(void *self)
+{
+  SPINNING;
+  BEHIND(ROS2_SPIN_ONE)(self);
+}
+
+EXPORT void ROS2_SPIN_MANY(void *self)
+{
+  SPINNING;
+  BEHIND(ROS2_SPIN_MANY)(self);
+}
+
+/* What is ready begins with its subscription, if it is one. Each node has a thread for the time. */
+static bool begin_what_is_ready(void *const *ready)
+{
+  if (!tells_waits) return false;
+  const char *topic = *ready ? NAME(ROS2_TOPIC_OF, *ready) : NULL;
+  return !(topic && !strcmp(topic, "/clock")) && begin_callback();
+}
+
+EXPORT void ROS2_CALL_BACK(void *self, void *const *ready)
+{
+  WHILE(begin_what_is_ready(ready), end_callback);
+  BEHIND(ROS2_CALL_BACK)(self, ready);
+}
+
+EXPORT bool ROS2_SLEEP_UNTIL(void *self, const void *until, const void *context)
+{
+  WAITING;
+  return BEHIND(ROS2_SLEEP_UNTIL)(self, until, context);
+}
+
+EXPORT bool ROS2_SLEEP(void *self, const int64_t *asked)
+{
+  WAITING;
+  return BEHIND(ROS2_SLEEP)(self, asked);
+}
+
+/* ---- Waits on the wall clock ---- */
 
 EXPORT int nanosleep(const struct timespec *asked, struct timespec *left)
 {
-  SLEEPING;
+  WAITING;
   return BEHIND(nanosleep)(asked, left);
 }
 
 EXPORT int clock_nanosleep(clockid_t of, int flags, const struct timespec *asked,
                            struct timespec *left)
 {
-  SLEEPING;
+  WAITING;
   return BEHIND(clock_nanosleep)(of, flags, asked, left);
 }
 
 EXPORT int usleep(useconds_t asked)
 {
-  SLEEPING;
+  WAITING;
   return BEHIND(usleep)(asked);
 }
 
 EXPORT unsigned sleep(unsigned asked)
 {
-  SLEEPING;
+  WAITING;
   return BEHIND(sleep)(asked);
+}
+
+EXPORT int pthread_cond_timedwait(pthread_cond_t *self, pthread_mutex_t *held,
+                                  const struct timespec *until)
+{
+  WAITING_BY_OWN_CODE;
+  return BEHIND(pthread_cond_timedwait)(self, held, until);
+}
+
+EXPORT int pthread_cond_clockwait(pthread_cond_t *self, pthread_mutex_t *held, clockid_t of,
+                                  const struct timespec *until)
+{
+  WAITING_BY_OWN_CODE;
+  return BEHIND(pthread_cond_clockwait)(self, held, of, until);
+}
+
+/* What `wait_for` of a future of C++ calls. */
+#define AWAIT_FUTURE                                                                                 \
+  _ZNSt28__atomic_futex_unsigned_base19_M_futex_wait_untilEPjjbNSt6chrono8durationIlSt5ratioILl1ELl1EEEENS2_IlS3_ILl1ELl1000000000EEEE
+#define AWAIT_FUTURE_STEADILY                                                                        \
+  _ZNSt28__atomic_futex_unsigned_base26_M_futex_wait_until_steadyEPjjbNSt6chrono8durationIlSt5ratioILl1ELl1EEEENS2_IlS3_ILl1ELl1000000000EEEE
+
+EXPORT bool AWAIT_FUTURE(void *self, unsigned *at, unsigned value, bool ends, long s, long ns)
+{
+  WHILE(ends && begin_wait(__builtin_return_address(0)), end_wait);
+  return BEHIND(AWAIT_FUTURE)(self, at, value, ends, s, ns);
+}
+
+EXPORT bool AWAIT_FUTURE_STEADILY(void *self, unsigned *at, unsigned value, bool ends, long s,
+                                  long ns)
+{
+  WHILE(ends && begin_wait(__builtin_return_address(0)), end_wait);
+  return BEHIND(AWAIT_FUTURE_STEADILY)(self, at, value, ends, s, ns);
 }

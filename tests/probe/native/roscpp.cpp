@@ -4,7 +4,10 @@
 #include <std_msgs/Float64.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdio>
+#include <future>
+#include <mutex>
 #include <thread>
 
 class Cell {
@@ -46,7 +49,12 @@ int main(int argc, char **argv)
   std::thread worker([&cell] {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     cell.swing(3);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::mutex mutex;
+    std::unique_lock<std::mutex> lock(mutex);
+    std::condition_variable never;
+    never.wait_for(lock, std::chrono::milliseconds(150));
+    std::promise<void> none;
+    none.get_future().wait_for(std::chrono::milliseconds(150));
   });
   ros::waitForShutdown();
   worker.join();

@@ -1,5 +1,6 @@
 """The preloaded probe in a node of the installed roscpp, beside a master."""
 
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -10,7 +11,6 @@ from tracerisk.errors import DependencyError
 from tracerisk.ros.live.real_ros import python_of_ros
 
 HERE = Path(__file__).parent
-KEYS = ('"spins":0', '"spins":1', '"seq":1', '"seq":2')
 LIBRARIES = ["roscpp", "rosconsole", "roscpp_serialization", "rostime", "boost_system"]
 
 
@@ -53,8 +53,12 @@ def test_a_node_of_roscpp_is_recorded_with_its_callbacks(nodes):
         ("publish", "/arm/command", 1, ["Cell::on_timer", "Cell::swing"]),
         ("publish", "/arm/command", 2, ["main", "Cell::swing"]),
     ]
-    lines = [line for line in file.read_text().replace("\0", "").split("\n") if line]
-    noted = [next((key for key in KEYS if key in line), "") for line in lines]
-    # From its message on, the timer's callback ends, and the thread sleeps until its own message and
-    # once more; then the last timer comes, and the node is asked for its end no longer.
-    assert noted[noted.index(KEYS[2]) :] == [KEYS[at] for at in (2, 1, 3, 0, 1, 0, 1, 0)] + [""]
+    entries = [json.loads(line) for line in file.read_text().replace("\0", "").split()]
+    noted = {
+        key: [entry[key] for entry in entries if key in entry] for key in ("spins", "calls_back")
+    }
+    # Two timers call back; what the first one sleeps is no wait of a loop.
+    assert noted == {"spins": [1, 0], "calls_back": [1, 0, 1, 0]}
+    # A thread sleeps, and waits on a condition and for a future.
+    waits = [entry["kind"] for entry in entries if entry.get("kind") in ("wait", "waited")]
+    assert waits == ["wait", "waited"] * 3

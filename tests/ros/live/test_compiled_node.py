@@ -36,6 +36,31 @@ static void late(const ros::TimerEvent&)
   arm->home();
 }
 """
+LATE_THREAD = """\
+#include <thread>
+static cell::Cell* arm = nullptr;
+static void late()
+{
+  ros::Duration(70.0).sleep();
+  arm->home();
+}
+"""
+POLLS = """\
+  std::thread(late).detach();
+  ros::Rate rate(20.0);
+  while (ros::ok()) {
+    ros::spinOnce();
+    rate.sleep();
+  }
+"""
+CYCLES = """\
+  ros::Rate rate(20.0);
+  while (ros::ok()) {
+    cell.home();
+    cell.place();
+    rate.sleep();
+  }
+"""
 MORE = """\
   void place();
   void park() { swing(1.0, 1.0); }
@@ -140,33 +165,44 @@ def test_blocks_are_written_into_the_functions_of_the_author(lived):
     assert "cell::Cell::pick" in solved.out
 
 
-def test_what_a_callback_commands_late_is_kept_and_a_node_that_only_spins_ends(compiled):
-    text = (PROGRAMS / "pick.cpp").read_text()
-    late = "  const ros::Timer timer = node.createTimer(ros::Duration(1.0), late, true);\n"
-    changed = text.replace("  cell.home();\n  return 0;\n", f"{late}  ros::spin();\n")
-    changed = changed.replace("int main(", f"{LATE}int main(")
-    changed = changed.replace("  cell::Cell cell;\n", "  cell::Cell cell;\n  arm = &cell;\n")
-    assert changed.count("arm = &cell") == changed.count("ros::spin()") == 1
-    example = compiled("late", changed)
+def live(example, name):
+    """Run a node on the twin, at many times the speed of the clock; return its trace."""
     done = example.run(
-        *(
-            "trace",
-            "--live",
-            "--speed",
-            "20",
-            "--robot",
-            "panda",
-            "-o",
-            "live.json",
-            "--",
-            "./late",
-        ),
+        *("trace", "--live", "--speed", "20", "--robot", "panda", "-o", "live.json"),
+        *("--", f"./{name}"),
     )
     assert done.code == 0, done.out + done.err
-    trace = json.loads(example.read("live.json").decode())
+    return json.loads(example.read("live.json").decode())
+
+
+def ending(rest, before=""):
+    """Return the node that picks, with another rest of its `main()`."""
+    text = (PROGRAMS / "pick.cpp").read_text().replace("  cell.home();\n  return 0;\n", rest)
+    text = text.replace("int main(", f"{before}int main(")
+    text = text.replace("  cell::Cell cell;\n", "  cell::Cell cell;\n  arm = &cell;\n")
+    assert rest in text
+    assert text.count("arm = &cell") == 1
+    return text
+
+
+def test_what_a_callback_commands_late_is_kept_and_a_node_that_only_spins_ends(compiled):
+    late = "  const ros::Timer timer = node.createTimer(ros::Duration(1.0), late, true);\n"
+    trace = live(compiled("late", ending(f"{late}  ros::spin();\n", LATE)), "late")
     assert (trace["end"]["cause"], trace["verdict"]["kind"]) == ("idle", "complete")
     before, last = trace["commands"][-2:]
     assert last["issue_s"] - before["end_s"] > 15.0
+
+
+def test_a_node_that_polls_ends_once_its_threads_have_waited_to_their_end(compiled):
+    trace = live(compiled("polls", ending(POLLS, LATE_THREAD)), "polls")
+    assert (trace["end"]["cause"], trace["verdict"]["kind"]) == ("idle", "complete")
+    before, last = trace["commands"][-2:]
+    assert last["issue_s"] - before["end_s"] > 65.0
+
+
+def test_a_cycle_that_a_node_repeats_for_ever_ends_at_the_third(compiled):
+    trace = live(compiled("cycles", ending(CYCLES, "static cell::Cell* arm;\n")), "cycles")
+    assert (trace["end"]["cause"], trace["verdict"]["kind"]) == ("cycles", "complete")
 
 
 def test_a_node_plans_with_moveit_where_there_is_none(compiled):

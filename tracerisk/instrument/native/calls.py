@@ -30,7 +30,9 @@ VARIABLE = "TRACERISK_CALLS"
 """The environment variable that names the file to the probe."""
 KINDS = ("publish", "goal", "call", "end")
 """A message, a goal of an action, a call of a service, and the end of such a call."""
-_KEYS = {"probe", "modules", "kind", "exit", "spins", "made", "gone"}
+WAIT, WAITED = "wait", "waited"
+"""In a live run, the beginning of a wait that ends by itself, and its end; they are no commands."""
+_KEYS = {"probe", "modules", "kind", "exit", "spins", "calls_back", "made", "gone"}
 """Each line has one of these."""
 _INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
 """Where sources of installed libraries are; their inlined functions are none of the controller."""
@@ -63,7 +65,7 @@ class Call:
     tid: int
     """The thread, as the kernel numbers it."""
     kind: str
-    """One of `KINDS`."""
+    """One of `KINDS`, `WAIT` or `WAITED`."""
     name: str
     """The topic, action or service."""
     seq: int
@@ -150,7 +152,8 @@ def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
             continue
         if not isinstance(entry, dict) or not entry.keys() & _KEYS:
             raise InputError("is no line of the probe", Location(str(file), number))
-        entries.append(entry)
+        if entry.get("kind") not in (WAIT, WAITED):
+            entries.append(entry)
     log = named_calls(entries, names_at)
     if not torn:
         return log

@@ -21,9 +21,9 @@ class CallFollower:
     A stack is named once, however often it issues a command; `names_at` is that of `read_calls`.
     `notes` (an attribute) are the sentences of `CallLog` on what is missing, `newer` its sources
     that have changed, `programs` those that reported, `codes` those with which processes have
-    ended by themselves, `spinning` those in which nothing is in progress and the main thread waits
-    for callbacks alone or for the end, `ends` the lines on topics and services of nodes of ROS 2
-    that have come.
+    ended by themselves, `spinning` those whose main thread waits for callbacks alone or for the
+    end, `calling_back` those in which a callback is in progress, `ends` the lines on topics and
+    services of nodes of ROS 2 that have come.
     """
 
     def __init__(self, file: Path, names_at: NamesAt | None = None) -> None:
@@ -32,6 +32,7 @@ class CallFollower:
         self.programs: dict[str, None] = {}
         self.codes: dict[int, int] = {}
         self.spinning: set[int] = set()
+        self.calling_back: set[int] = set()
         self.ends: list[dict[str, Any]] = []
         self._file = file
         self._names_at = names_at
@@ -45,7 +46,7 @@ class CallFollower:
         self._own: set[int] = set()  # the processes in which code of the controller commanded
 
     def new(self) -> list[Call]:
-        """Return the commands that have come, each process's in its order."""
+        """Return the commands and waits that have come, each process's in its order."""
         calls: list[tuple[str, dict[str, Any]]] = []
         unknown: dict[str, dict[str, Any]] = {}
         for entry in self._new_entries():
@@ -94,6 +95,8 @@ class CallFollower:
             self.codes[pid] = entry["exit"]
         elif "spins" in entry:
             (self.spinning.add if entry["spins"] else self.spinning.discard)(pid)
+        elif "calls_back" in entry:
+            (self.calling_back.add if entry["calls_back"] else self.calling_back.discard)(pid)
 
     def _name(self, unknown: dict[str, dict[str, Any]]) -> None:
         log = named_calls([*self._modules, *unknown.values()], self._names_at)

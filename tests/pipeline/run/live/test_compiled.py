@@ -66,6 +66,16 @@ class Node:
         self.lines.append(json.dumps({**entry, "stack": stack}) + "\n")
         self.file.write_text("".join(self.lines))
 
+    def note(self, line):
+        """Note a state of the process, or that a thread waits: where, or no more."""
+        if isinstance(line, dict):
+            self.lines.append(json.dumps({"pid": 7, **line}) + "\n")
+            self.file.write_text("".join(self.lines))
+            return
+        tid, *stack = line
+        frames = [[function, self.source, at] for function, at in stack]
+        self.write("wait" if stack else "waited", "", 0, tid=tid, stack=frames)
+
     def sent(self, *stack, **given):
         """Send, and return the functions to which it is ascribed, with their activations."""
         number = self.send(*stack, **given)
@@ -196,6 +206,49 @@ def test_a_source_is_found_by_its_name_from_the_folder_of_the_build(tmp_path, fi
     assert calls.own_file(file) == "cell/pick.cpp"
     assert calls.own_file("../other.cpp") is None
     assert calls.own_file("") is None
+
+
+MAIN, WORKER = 7, 9
+
+
+@pytest.mark.parametrize(
+    ("noted", "expected"),
+    [
+        ((), False),
+        (({"spins": 1},), True),
+        (({"spins": 1}, {"spins": 0}), False),
+        (({"spins": 1}, {"calls_back": 1}), False),
+        (({"spins": 1}, {"calls_back": 1}, {"calls_back": 0}), True),
+        (((MAIN, ("main", 23)),), True),
+        (((MAIN, ("main", 23)), (MAIN,)), True),  # between two of its waits
+        (((MAIN, ("main", 23)), {"calls_back": 1}), False),
+        (((MAIN, ("main", 21)),), False),
+        (((MAIN, ("main", 21)), (MAIN,), {"spins": 1}), True),
+        (({"spins": 1}, (WORKER, SWEEP)), False),
+        (({"spins": 1}, (WORKER, SWEEP), (WORKER,)), True),
+        (({"spins": 1}, (WORKER, ("main", 23), SWING)), True),
+    ],
+)
+def test_a_node_only_waits_where_all_that_ends_by_itself_is_endless(node, noted, expected):
+    for line in noted:
+        node.note(line)
+    assert node.calls.new_rounds() == []
+    assert node.calls.only_wait(MAIN) is expected
+
+
+@pytest.mark.parametrize(
+    ("stacks", "n_rounds"),
+    [
+        ([[("main", 23)]] * 3, 2),
+        ([[("main", 23)], [("main", 23), SWING]] * 3, 2),
+        ([[("main", 21)]] * 3, 0),  # of no loop
+        ([[("main", 23), SWEEP]] * 9, 0),  # of a loop within, which may still go on
+    ],
+)
+def test_an_endless_loop_goes_round_where_it_comes_again_to_a_wait(node, stacks, n_rounds):
+    for stack in stacks:
+        node.note((MAIN, *stack))
+    assert node.calls.new_rounds() == [(MAIN, ("pick.cpp", 22))] * n_rounds
 
 
 def test_what_nobody_saw_belongs_to_main_and_is_counted(node):

@@ -64,6 +64,8 @@ from tracerisk.twin.recording.samples import SampleWriter
 _SHARE_OF_STEP = 0.5
 _EXIT_POLL_S = 0.005
 _EXIT_S = 5.0
+_MAIN_OF_NODES = 1
+"""The number of the main thread of compiled nodes; of the others nobody asks."""
 _ENDS_OF_TOPICS = ("publisher", "subscriber", "no_publisher", "no_subscriber")
 """What a controller on ROS 2 reports of its ends; in ROS 1 the master does."""
 
@@ -156,6 +158,7 @@ class _LiveRun:
             self._nodes = CompiledNodes(
                 self._request, self._recorder, temporary, self._environment, ros
             )
+            self._threads.main.ident = _MAIN_OF_NODES
             parameters = self._parameter_file(temporary)
             begin = functools.partial(self._nodes.begin, parameter_file=parameters)
         else:
@@ -217,6 +220,7 @@ class _LiveRun:
     def _move_on(self, session: Session) -> None:
         speed = self._request.live_speed or 1.0
         due = time.monotonic()
+        waits = True
         while session.settle():
             if self._threads.over is not None:
                 return
@@ -231,8 +235,13 @@ class _LiveRun:
                     self._threads.look_without_input(waits=not session.is_computing)
                 if not session.is_computing:
                     self._nodes.settled()
-                spin = not session.is_computing and self._nodes.spin(session.command_processes)
-                self._threads.spins(alone=spin)
+                for file, line in self._nodes.new_rounds():
+                    self._threads.acts(_MAIN_OF_NODES)
+                    self._watch.looped(file, line)
+                waits = not session.is_computing and self._nodes.only_wait(
+                    session.command_processes, self._watch.last_event_ns
+                )
+                self._threads.spins(alone=waits)
                 if self._nodes.is_awaited:
                     session.wait_wall(_EXIT_POLL_S)
                     continue
@@ -241,7 +250,8 @@ class _LiveRun:
             self._scheduler.sleep(STEP_NS)
             self._bridge.tick()
             session.send_time(self._bridge.now_ns)
-            self._watch.time_passed()
+            if waits:
+                self._watch.time_passed()
             due = max(due + STEP_NS / 1e9 / speed, time.monotonic() - 10 * STEP_NS / 1e9)
             while (left := due - time.monotonic()) > 0.0:
                 session.wait_wall(left)

@@ -5,30 +5,29 @@ from __future__ import annotations
 import itertools
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tracerisk.adder.sources.c_source import CFunction, CSource, parse_c
 from tracerisk.adder.sources.lines_of_functions import functions_at
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.instrument.native.calls import Call
+from tracerisk.instrument.native.calls import WAIT, WAITED, Call
 from tracerisk.instrument.native.calls import Frame as NativeFrame
 from tracerisk.instrument.native.following import CallFollower
 from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.instrument.tracer import Frame, RootKind
+from tracerisk.pipeline.run.live.compiled_loops import CLoop, loops_around
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.ros.live.process_tree import has_ended
 
-if TYPE_CHECKING:
-    from tree_sitter import Node
-
 MAIN = QualifiedName("main")
-_LOOPS = frozenset({"for_statement", "for_range_loop", "while_statement", "do_statement"})
+Place = tuple[str, int]
+"""The source of a loop, from the root, and its first line."""
 
 
 def function_main(source: bytes, file: str) -> CFunction:
@@ -57,8 +56,8 @@ class _Active:
     """The line on which it begins."""
     at: int
     """The line of it that was executed."""
-    loops: tuple[tuple[int, int], ...]
-    """The first and last line of each loop of it around that line."""
+    loops: tuple[CLoop, ...]
+    """The loops of it around that line, the outermost first."""
 
 
 class CompiledCalls:
@@ -91,6 +90,10 @@ class CompiledCalls:
         # Of the probe's numbers from a publisher's, by its process, topic and number there.
         self._shifts: dict[tuple[int, str, int], int] = {}
         self._before: dict[int, list[tuple[_Active, int]]] = {}
+        # Of each thread that waits, by its process, the endless loop in which it does.
+        self._waits: defaultdict[int, dict[int, Place | None]] = defaultdict(dict)
+        self._waited_at: defaultdict[int, set[tuple[NativeFrame, ...]]] = defaultdict(set)
+        self._rounds: list[tuple[int, Place]] = []
         self._next = itertools.count(1).__next__
         source = self._source(main)
         assert source is not None
@@ -163,10 +166,34 @@ class CompiledCalls:
         ends, self._follower.ends = self._follower.ends, []
         return ends
 
-    def spin(self, processes: Iterable[int]) -> bool:
-        """Return whether there are such processes, and each of them only waits for callbacks."""
-        asked = set(processes)
-        return bool(asked) and asked <= self._follower.spinning
+    def only_wait(self, pid: int) -> bool:
+        """Return whether a process does nothing by itself, but for waits of loops without an end.
+
+        Its main thread waits for callbacks or the end, or in such a loop, and so does every thread
+        that waits for some time; no callback is in progress.
+        """
+        waits = self._waits[pid]
+        if pid in self._follower.calling_back or None in waits.values():
+            return False
+        return pid in self._follower.spinning or pid in waits
+
+    def loops(self, pid: int) -> bool:
+        """Return whether the main thread of a process waits in a loop without an end."""
+        return pid not in self._follower.spinning and self._waits[pid].get(pid) is not None
+
+    def new_rounds(self) -> list[tuple[int, Place]]:
+        """Return each iteration of an endless loop that a main thread has begun, and its process.
+
+        It begins where the thread comes again to a wait of the loop itself, of no loop within.
+        """
+        self._take()
+        rounds, self._rounds = self._rounds, []
+        return rounds
+
+    @property
+    def processes(self) -> tuple[int, ...]:
+        """The processes of the controller's nodes."""
+        return tuple(self._follower.own_processes)
 
     def ended(self) -> list[tuple[int, str, int | None]]:
         """Return each process of the controller's nodes that is there no more, and its program.
@@ -181,6 +208,9 @@ class CompiledCalls:
 
     def _take(self) -> None:
         for call in self._follower.new():
+            if call.kind in (WAIT, WAITED):
+                self._note_wait(call)
+                continue
             is_message = call.kind == "goal" and self._ros == 1
             topic = f"{call.name}/goal" if is_message else call.name
             pending = self._pending[topic]
@@ -190,6 +220,27 @@ class CompiledCalls:
             # A call that is over and has not come reached nobody.
             of = ("call", call.pid, call.seq)
             pending[:] = [one for one in pending if (one.kind, one.pid, one.seq) != of]
+
+    def _note_wait(self, call: Call) -> None:
+        waits, is_main = self._waits[call.pid], call.tid == call.pid
+        if not is_main or waits.get(call.tid) is None:  # such a loop is never left
+            waits.pop(call.tid, None)
+        own = self._active(call) if call.kind == WAIT else []
+        if not own:
+            return
+        loops = [(active, loop) for active in own for loop in active.loops]
+        place = next(
+            ((of.ref.file, loop.first) for of, loop in reversed(loops) if loop.is_endless),
+            None,
+        )
+        waits[call.tid] = place
+        if place is None or not is_main or not loops[-1][1].is_endless:
+            return
+        met = self._waited_at[call.pid]
+        if call.stack in met:
+            self._rounds.append((call.pid, place))
+            met.clear()
+        met.add(call.stack)
 
     def _call(self, calls: list[Call], number: int | None, at_ns: int | None) -> Call | None:
         """Take out of what is pending on one name the command that has come.
@@ -220,7 +271,8 @@ class CompiledCalls:
 
     # From the probe's frames to ours
 
-    def _frames(self, call: Call) -> tuple[Frame, ...]:
+    def _active(self, call: Call) -> list[_Active]:
+        """Return the controller's own functions that were active, the outermost first."""
         active: list[_Active] = []
         for native in call.stack:
             if native not in self._known:
@@ -229,6 +281,10 @@ class CompiledCalls:
             # A lambda belongs to the function that holds it.
             if known is not None and not (active and active[-1].ref == known.ref):
                 active.append(known)
+        return active
+
+    def _frames(self, call: Call) -> tuple[Frame, ...]:
+        active = self._active(call)
         if not active:
             return ()
         before = self._before.get(call.tid, [])
@@ -267,7 +323,7 @@ class CompiledCalls:
         if function is None:
             return None
         at = native.line or function.line
-        loops = tuple(_loops(source, function, at))
+        loops = tuple(loops_around(source, function, at))
         return _Active(FunctionRef(file, function.name), function.line, at, loops)
 
     def _file(self, native: NativeFrame) -> str | None:
@@ -338,16 +394,3 @@ def _is_in_one_loop(one: _Active, other: _Active) -> bool:
 
 def _holds(source: CSource, function: CFunction, line: int) -> bool:
     return source.line_of(function.begins) <= line <= source.line_of(function.end - 1)
-
-
-def _loops(source: CSource, function: CFunction, line: int) -> Iterator[tuple[int, int]]:
-    """Yield the first and last line of each loop of a function around one of its lines."""
-    waiting: list[Node] = [source.tree.root_node]
-    while waiting:
-        node = waiting.pop()
-        first, last = node.start_point.row + 1, node.end_point.row + 1
-        if not first <= line <= last:
-            continue
-        if node.type in _LOOPS and function.start <= node.start_byte < function.end:
-            yield first, last
-        waiting += node.named_children

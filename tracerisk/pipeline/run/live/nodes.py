@@ -11,7 +11,7 @@ from tracerisk.instrument.native.calls import VARIABLE
 from tracerisk.instrument.native.library import build_probe
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.run.live.command import LAUNCHERS, command_words
-from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls
+from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls, Place
 from tracerisk.pipeline.run.live.compiled_ends import CompiledEnds
 from tracerisk.pipeline.trace.run_files import STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
@@ -82,6 +82,8 @@ class CompiledNodes:
         self._registered: set[str] = set()
         self._began = time.monotonic()
         self._pid: int | None = None
+        self._event_ns = -1
+        self._gone_round: set[int] = set()
         self.has_input_ended = False
         """Whether a node asked for more input than there was."""
 
@@ -134,13 +136,31 @@ class CompiledNodes:
         # What a process has sent last has come by now.
         self._gone = tuple(pid for pid in sorted(self._ends.processes) if has_ended(pid))
 
-    def spin(self, processes: Iterable[int]) -> bool:
-        """Return whether all processes of the command are nodes that only wait for callbacks.
+    def only_wait(self, processes: Iterable[int], event_ns: int) -> bool:
+        """Return whether all processes of the command are nodes that only wait for what comes.
 
-        What starts them waits too. Of another process nobody knows what it will do.
+        Their loops without an end have gone round since the mission's last event, and have nothing
+        to do. What starts them waits too. Of another process nobody knows what it will do.
         """
+        if event_ns != self._event_ns:
+            self._event_ns = event_ns
+            self._gone_round.clear()
         launches = Path(self._words[0]).name in LAUNCHERS
-        return self._calls.spin(pid for pid in processes if pid != self._pid or not launches)
+        asked = [pid for pid in processes if pid != self._pid or not launches]
+        return bool(asked) and all(
+            self._calls.only_wait(pid) and (pid in self._gone_round or not self._calls.loops(pid))
+            for pid in asked
+        )
+
+    def new_rounds(self) -> list[Place]:
+        """Return the endless loop of each iteration that the node's main thread has begun.
+
+        Of several nodes it is none: what they command together is no cycle of one of them.
+        """
+        rounds = self._calls.new_rounds()
+        self._gone_round.update(pid for pid, _ in rounds)
+        is_one = len(self._calls.processes) == 1
+        return [loop for _, loop in rounds if is_one]
 
     @property
     def is_awaited(self) -> bool:
