@@ -350,6 +350,32 @@ def showed(repository, parts):
     return make
 
 
+@pytest.mark.parametrize(
+    ("later", "n_unchanged"),
+    [
+        ({"motor": "1.02e-7"}, 1),
+        ({"motor": "0.98e-7", "gripper": "= 2.1e-07"}, 2),
+        ({"motor": "1.04e-7"}, 0),
+        ({"gripper": ":= 2.1e-07 ! computed 2e-07"}, 0),
+    ],
+)
+def test_what_lies_within_how_far_a_live_run_repeats_is_not_reported(
+    repository, parts, later, n_unchanged
+):
+    repeats = {"pick": {"repeats": 0.03}, "place": {"repeats": 0.06}}
+
+    def live(texts):
+        return replace(lock_of(texts, "main.py"), trace={"functions": repeats})
+
+    write(repository, parts(), ("main.py", live(parts())))
+    repository.commit()
+    write(repository, parts(**later), ("main.py", live(parts(**later))))
+    diff = only(review([], repository.folder))
+    assert diff.within_noise == n_unchanged
+    assert diff.is_unchanged == bool(n_unchanged)
+    assert diff.noise == {0: 0.01, 1: 0.03, 2: 0.06}[n_unchanged]
+
+
 TOUCH = {"unexpected_contacts": {"hand.py": {"place": [["finger", "table"]]}}}
 
 

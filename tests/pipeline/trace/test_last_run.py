@@ -2,6 +2,7 @@
 
 import json
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -13,9 +14,11 @@ from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
     contact_text,
     kept_contacts,
+    kept_repeats,
     kept_touches,
     kept_uncovered,
     last_run_summary,
+    repeats_summary,
 )
 from tracerisk.trace import RunEnd, Trace, Visit
 
@@ -43,6 +46,20 @@ def trace(visits, uncovered=()):
         tuple(visits),
         uncovered=tuple(uncovered),
     )
+
+
+def test_a_live_run_repeats_the_less_the_shorter_its_first_and_last_functions_are():
+    visits = [visit("find"), visit("pick"), visit("pick"), visit("leave"), visit("leave")]
+    run = trace(visits)
+    live = replace(run, assumptions=("measured: live, on real ROS 1",))
+    repeats = [
+        repeats_summary(live, [each for each in visits if each.function.name == name])
+        for name in ("find", "pick", "leave", "none")
+    ]
+    assert repeats == [{"repeats": 0.33}, {"repeats": 0.03}, {"repeats": 0.18}, {}]
+    assert repeats_summary(run, visits) == {}
+    summary = {"functions": {"find": repeats[0], "pick": {"repeats": "much"}}}
+    assert [kept_repeats(summary, name) for name in ("find", "pick", "none")] == [0.33, 0.0, 0.0]
 
 
 VISITS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import PROBABILITY, computed_probability
 from tracerisk.adder.lock.lock import ControllerLock
 
@@ -21,6 +21,30 @@ def as_computed(
     if entry is None or not entry.kept.get(file, {}).get(function):
         return block
     return replace(block, components=tuple(_computed(block, entry, file, function)))
+
+
+def as_repeated(block: RiskBlock, earlier: RiskBlock | None, repeats: float) -> RiskBlock:
+    """Return a block with each value of an earlier one from which it differs by no more.
+
+    `repeats` is how far, relatively, two runs of the same differ. A value of a user stays.
+    """
+    if earlier is None or not repeats:
+        return block
+    before = {component.name: component.probability for component in earlier.components}
+    components = (
+        replace(component, probability=before[component.name])
+        if component.name in before
+        and _is_near(before[component.name], component.probability, repeats)
+        else component
+        for component in block.components
+    )
+    return replace(block, components=tuple(components))
+
+
+def _is_near(before: Field[float], now: Field[float], repeats: float) -> bool:
+    if before.pinned or now.pinned:
+        return False
+    return 0.0 < abs(now.value - before.value) <= repeats * before.value
 
 
 def _computed(

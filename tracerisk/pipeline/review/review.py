@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, NamedTuple
 
-from tracerisk.adder.lock.kept import as_computed
+from tracerisk.adder.lock.kept import as_computed, as_repeated
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.answers.changed_checks import ChangedCheck, changed_checks
@@ -45,13 +45,14 @@ from tracerisk.pipeline.review.run_changes import (
     run_changes,
 )
 from tracerisk.pipeline.review.run_verdicts import refused_line, version_verdict
-from tracerisk.pipeline.trace.last_run import kept_uncovered
+from tracerisk.pipeline.trace.last_run import kept_repeats, kept_uncovered
 from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import compare
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
 
 if TYPE_CHECKING:
+    from tracerisk.adder.blocks.block import RiskBlock
     from tracerisk.common.hardware.model import Hardware
 
 
@@ -220,6 +221,7 @@ def difference(
     """
     before, old = _built(controller.before, controller.name, versions and versions[0])
     after, new = _built(controller.after, controller.name, versions and versions[1])
+    after, repeats = _repeated(before, after, controller)
     functions = {} if after is None else _functions(after, new)
     renamed: dict[str, str] = {}
     without: tuple[str, ...] = ()
@@ -251,6 +253,8 @@ def difference(
     changes_of_run = run_changes(controller.before, controller.after, names)
     diff = replace(
         diff,
+        within_noise=diff.within_noise + len(repeats),
+        noise=max(diff.noise, *repeats, 0.0),
         of_run=changes_of_run,
         of_comparison=tuple(outcome_gaps(controller)) if old and new else (),
         of_evidence=evidence_changes(controller.before, controller.after),
@@ -369,6 +373,30 @@ def _built(
             raise
         raise in_version(error, of) from error
     return model, {block.name: ref for ref, block in blocks}
+
+
+def _repeated(
+    before: RiskVersion | None, after: RiskVersion | None, controller: ReviewedController
+) -> tuple[RiskVersion | None, list[float]]:
+    """Return the later version with the earlier values of which its live run is a repetition.
+
+    For each comes how far, relatively, such runs repeat.
+    """
+    entries = controller.before.entry, controller.after.entry
+    traces = [entry.trace for entry in entries if entry is not None]
+    repeats: list[float] = []
+    blocks: list[RiskBlock] = []
+    if before is None or after is None:
+        return after, repeats
+    for name, block in after.blocks.items():
+        far = max((kept_repeats(trace, name) for trace in traces), default=0.0)
+        same = as_repeated(block, before.blocks.get(name), far)
+        pairs = zip(block.components, same.components, strict=True)
+        repeats += [far for own, other in pairs if own.probability != other.probability]
+        blocks.append(same)
+    if not repeats:
+        return after, repeats
+    return RiskVersion.of_blocks(blocks, after.model.name), repeats
 
 
 def _from_lock(file: str, version: ControllerVersion) -> str:

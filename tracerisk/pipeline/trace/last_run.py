@@ -20,6 +20,13 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace, Visit
 
 _UNCOVERED, _CONTACTS, _TOUCHES = "uncovered", "unexpected_contacts", "touches"
+_REPEATS = "repeats"
+_LIVE_REPEATS = 0.03
+"""How far exposures of two live runs differ, as a part of one (docs/ros.md#on-real-ros)."""
+_LIVE_MEETS_S = 0.3
+"""How far the times differ in which nodes find each other, and end: five runs of a node of roscpp
+whose commands took the same time to the step began 0.20 to 0.47 s after it, and ended within 0.08 s
+of each other."""
 _WHOLE_N = 10.0  # forces from here on are given in whole newtons
 _OF_SUPPORT = (
     f"what a thing is lifted from or put on may bear {GENTLE_N:.0f} N and twice its weight"
@@ -237,6 +244,25 @@ def _kind(expected: bool) -> str:
 
 def _as_kept(touches: Touches) -> dict[str, Any]:
     return {key: value for key, value in asdict(touches).items() if value is not None}
+
+
+def repeats_summary(trace: Trace, visits: Sequence[Visit]) -> dict[str, Any]:
+    """Return how far, relatively, the time of a function's visits repeats; nothing where it does.
+
+    Live runs differ most before their first command and after their last.
+    """
+    lasting_s = math.fsum(visit.duration_s or 0.0 for visit in visits)
+    if not trace.is_live or not lasting_s:
+        return {}
+    is_at_an_end = trace.visits[0] in visits or trace.visits[-1] in visits
+    repeats = _LIVE_REPEATS + (_LIVE_MEETS_S / lasting_s if is_at_an_end else 0.0)
+    return {_REPEATS: round(min(repeats, 1.0), 4)}
+
+
+def kept_repeats(summary: Mapping[str, Any], function: str) -> float:
+    """Return how far, relatively, the lock says that a function of a live run repeats."""
+    repeats = _mapping(_mapping(summary.get("functions")).get(function)).get(_REPEATS)
+    return repeats if isinstance(repeats, float) and 0.0 < repeats <= 1.0 else 0.0
 
 
 def kept_uncovered(summary: Mapping[str, Any]) -> tuple[FunctionRef, ...]:

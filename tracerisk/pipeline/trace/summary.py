@@ -15,7 +15,7 @@ from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
 from tracerisk.common.trace_json import trace_digest
 from tracerisk.common.worlds.world_run import WorldRun, joined_worlds, worlds_summary
 from tracerisk.pipeline.trace.kept_verdict import verdict_summary
-from tracerisk.pipeline.trace.last_run import last_run_summary
+from tracerisk.pipeline.trace.last_run import last_run_summary, repeats_summary
 from tracerisk.trace import Trace
 
 DIGEST = "digest"
@@ -66,6 +66,7 @@ def trace_summary(
             "duration_s": _rounded(math.fsum(known)),
             "elements": elements,
             "instances": _instances(function.ref, instances),
+            **repeats_summary(trace, visits),
         }
     summary = {
         "robot": trace.robot,

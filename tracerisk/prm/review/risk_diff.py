@@ -11,6 +11,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.source.answers.changed_checks import ChangedCheck
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
 from tracerisk.prm.review.change_records import (
+    NOISE,
     CauseShare,
     FunctionChange,
     PinChange,
@@ -46,7 +47,9 @@ class RiskDiff:
     single_points: tuple[SinglePoint, ...]
     """Components that newly fail the mission alone, by name."""
     within_noise: int
-    """Number of values that changed by less than 1 % and count as unchanged."""
+    """Number of values that changed by less than `noise` and count as unchanged."""
+    noise: float = NOISE
+    """The relative change up to which a value counts as unchanged, greater where a run was live."""
     inputs: tuple[str, ...] = ()
     """Inputs of the runs behind the blocks that differ, one sentence each."""
     hardware: tuple[str, ...] = ()
