@@ -1037,15 +1037,21 @@ EXPORT void ROS2_SPIN_MANY(void *self)
   BEHIND(ROS2_SPIN_MANY)(self);
 }
 
-/* What is ready begins with its subscription, if it is one. Each node has a thread for the time. */
-static bool begin_what_is_ready(void *const *ready)
+/* The first pointer of rclcpp::AnyExecutable, behind that of its virtual functions, is NULL where
+ * something else is ready; the same since Foxy. */
+struct ready {
+  const void *functions, *subscription;
+};
+
+/* Each node has a thread for the time, which comes often. */
+static bool begin_what_is_ready(const struct ready *ready)
 {
   if (!tells_waits) return false;
-  const char *topic = *ready ? NAME(ROS2_TOPIC_OF, *ready) : NULL;
+  const char *topic = ready->subscription ? NAME(ROS2_TOPIC_OF, ready->subscription) : NULL;
   return !(topic && !strcmp(topic, "/clock")) && begin_callback();
 }
 
-EXPORT void ROS2_CALL_BACK(void *self, void *const *ready)
+EXPORT void ROS2_CALL_BACK(void *self, const struct ready *ready)
 {
   WHILE(begin_what_is_ready(ready), end_callback);
   BEHIND(ROS2_CALL_BACK)(self, ready);

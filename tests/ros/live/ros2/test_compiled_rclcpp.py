@@ -115,6 +115,23 @@ def test_functions_of_two_publishers_of_a_topic_do_not_swap_where_messages_are_l
     assert len(trace["commands"]) < 1200, "none of 1,201 was lost"
 
 
+@pytest.fixture(scope="module")
+def waits(compiled):
+    return compiled("waits", ())
+
+
+@pytest.mark.parametrize("way", ["spin", "poll"])
+def test_a_node_that_only_waits_for_callbacks_ends_without_a_word(waits, way):
+    done = waits.run(
+        *("trace", "--live", "--speed", "20", "--robot", "panda", "-o", "live.json"),
+        *("--", "./waits", way),
+    )
+    assert done.code == 0, done.out + done.err
+    trace = json.loads(waits.read("live.json").decode())
+    assert (trace["end"]["cause"], trace["verdict"]["kind"]) == ("idle", "complete")
+    assert [command["end"] for command in trace["commands"]] == ["arrived"]
+
+
 def test_the_node_reads_the_twin_moves_it_and_has_its_parameters(lived):
     printed = lived.read("printed.txt").decode()
     lines = [line for line in printed.splitlines() if line.startswith("> ")]
