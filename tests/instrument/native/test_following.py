@@ -62,3 +62,18 @@ def test_what_a_killed_process_left_and_heads_are_no_calls(tmp_path):
     follower = CallFollower(written.path)
     assert names(follower.new()) == [(7, "/a", 0)]
     assert list(follower.programs) == ["/bin/pick"]
+
+
+def test_of_what_waits_no_name_is_missing(tmp_path):
+    written = Written(tmp_path / "calls.jsonl")
+    piece = written.take()
+    modules = [["/ws/lib/libdds.so", 0, 100, 200, 5, 5]]
+    written.add(piece, json.dumps({"pid": 7, "map": 1, "modules": modules}) + "\n")
+    follower = CallFollower(written.path)
+    for kind, notes in (("wait", 0), ("publish", 1)):
+        entry = {**json.loads(line("", 0)), "kind": kind, "map": 1, "at": [150 + notes]}
+        del entry["stack"]
+        written.add(piece, json.dumps(entry) + "\n")
+        (call,) = follower.new()
+        assert call.stack == ()
+        assert len(follower.notes) == notes

@@ -8,7 +8,7 @@ from typing import Any
 
 from tracerisk.common.text.bounded import regular_file
 from tracerisk.instrument.native.binaries import Binary
-from tracerisk.instrument.native.calls import Call, Frame, NamesAt, call_of, named_calls
+from tracerisk.instrument.native.calls import WAIT, Call, Frame, NamesAt, call_of, named_calls
 
 _INSTALLED = ("/usr/", "/bin/", "/sbin/", "/opt/ros/")
 _PIECE = 1 << 16
@@ -49,15 +49,18 @@ class CallFollower:
         """Return the commands and waits that have come, each process's in its order."""
         calls: list[tuple[str, dict[str, Any]]] = []
         unknown: dict[str, dict[str, Any]] = {}
+        waits: dict[str, dict[str, Any]] = {}
         for entry in self._new_entries():
             self._note_process(entry)
             if "kind" in entry:
                 key = _key(entry)
                 calls.append((key, entry))
                 if key not in self._known:
-                    unknown[key] = entry
-        if unknown:
-            self._name(unknown)
+                    (waits if entry["kind"] == WAIT else unknown)[key] = entry
+        # Libraries wait too, in threads of their own: nothing is missing of their functions.
+        for named, are_commands in ((unknown, True), (waits, False)):
+            if named:
+                self._name(named, with_notes=are_commands)
         return [call_of(entry, self._known[key]) for key, entry in calls]
 
     @property
@@ -98,12 +101,13 @@ class CallFollower:
         elif "calls_back" in entry:
             (self.calling_back.add if entry["calls_back"] else self.calling_back.discard)(pid)
 
-    def _name(self, unknown: dict[str, dict[str, Any]]) -> None:
+    def _name(self, unknown: dict[str, dict[str, Any]], *, with_notes: bool) -> None:
         log = named_calls([*self._modules, *unknown.values()], self._names_at)
         for key, call in zip(unknown, log.calls, strict=True):
             self._known[key] = call.stack
-        self.notes.update(dict.fromkeys(log.notes))
-        self.newer.update(log.newer)
+        if with_notes:
+            self.notes.update(dict.fromkeys(log.notes))
+            self.newer.update(log.newer)
 
     def _new_entries(self) -> list[dict[str, Any]]:
         entries: list[dict[str, Any]] = []
