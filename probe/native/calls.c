@@ -654,7 +654,13 @@ static void *behind(const char *name)
 {
   static const char *const libraries[] = {"libroscpp.so", "librcl.so", "librcl_action.so",
                                           "librcutils.so", "librostime.so", "librclcpp.so"};
-  void *found = dlsym(RTLD_NEXT, name);
+  void *found = NULL;
+#ifdef __GLIBC__
+  /* Of several versions of a function, RTLD_NEXT finds the oldest before glibc 2.36 (its bug 14932):
+     of the waits for a condition, that for a condition of another layout. */
+  found = dlvsym(RTLD_NEXT, name, "GLIBC_2.3.2");
+#endif
+  if (!found) found = dlsym(RTLD_NEXT, name);
   for (size_t at = 0; !found && at < sizeof libraries / sizeof *libraries; ++at) {
     /* An extension of Python loads it for itself alone. */
     void *library = dlopen(libraries[at], RTLD_LAZY | RTLD_NOLOAD);
