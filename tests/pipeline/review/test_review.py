@@ -376,6 +376,23 @@ def test_what_lies_within_how_far_a_live_run_repeats_is_not_reported(
     assert diff.noise == {0: 0.01, 1: 0.03, 2: 0.06}[n_unchanged]
 
 
+@pytest.mark.parametrize("earlier", [{}, {"pick": {"repeats": 0.03}}])
+def test_a_live_run_that_repeats_hides_no_limit_and_needs_another_one(repository, parts, earlier):
+    def live(texts, repeats):
+        return replace(lock_of(texts, "main.py"), trace={"functions": repeats})
+
+    write(repository, parts(), ("main.py", live(parts(), earlier)))
+    repository.commit()
+    now = parts(motor="1.02e-7")
+    write(repository, now, ("main.py", live(now, {"pick": {"repeats": 0.25}})))
+    diff = only(review([], repository.folder))
+    assert diff.within_noise == len(earlier)
+    if earlier:
+        assert diff.stated.failure_probability > diff.after.failure_probability
+    else:
+        assert diff.stated is None
+
+
 TOUCH = {"unexpected_contacts": {"hand.py": {"place": [["finger", "table"]]}}}
 
 

@@ -56,10 +56,10 @@ def test_a_live_run_repeats_the_less_the_shorter_its_first_and_last_functions_ar
         repeats_summary(live, [each for each in visits if each.function.name == name])
         for name in ("find", "pick", "leave", "none")
     ]
-    assert repeats == [{"repeats": 0.33}, {"repeats": 0.03}, {"repeats": 0.18}, {}]
+    assert repeats == [{"repeats": 0.25}, {"repeats": 0.03}, {"repeats": 0.18}, {}]
     assert repeats_summary(run, visits) == {}
     summary = {"functions": {"find": repeats[0], "pick": {"repeats": "much"}}}
-    assert [kept_repeats(summary, name) for name in ("find", "pick", "none")] == [0.33, 0.0, 0.0]
+    assert [kept_repeats(summary, name) for name in ("find", "pick", "none")] == [0.25, 0.0, 0.0]
 
 
 VISITS = (

@@ -269,7 +269,7 @@ def _above(diff: RiskDiff, limit: float | None) -> list[str]:
     """Return how a controller exceeds the limit on its figure; one of a bad run passes none."""
     if limit is None or diff.after is None:
         return []
-    bad, risk = _bad_run(diff), diff.after.failure_probability
+    bad, risk = _bad_run(diff), (diff.stated or diff.after).failure_probability
     texts = [] if bad is None else [f"{bad}; --max-failure-probability {limit:g}"]
     if risk > limit:
         texts.append(f"mission failure {risk:.4g} is over --max-failure-probability {limit:g}")
@@ -292,7 +292,7 @@ def _undetected(diff: RiskDiff, max_increase: float | None, limit: float | None)
                 f"{diff.name}: undetected failure rises by {rise}, "
                 f"over --max-increase {max_increase:g}"
             )
-    undetected = diff.after.undetected_or_all
+    undetected = (diff.stated or diff.after).undetected_or_all
     if limit is not None and undetected > limit:
         texts.append(
             f"{diff.name}: undetected failure {undetected:.4g} is over "

@@ -221,6 +221,7 @@ def difference(
     """
     before, old = _built(controller.before, controller.name, versions and versions[0])
     after, new = _built(controller.after, controller.name, versions and versions[1])
+    written = after
     after, repeats = _repeated(before, after, controller)
     functions = {} if after is None else _functions(after, new)
     renamed: dict[str, str] = {}
@@ -255,6 +256,7 @@ def difference(
         diff,
         within_noise=diff.within_noise + len(repeats),
         noise=max(diff.noise, *repeats, 0.0),
+        stated=written.figures.mission if repeats and written is not None else None,
         of_run=changes_of_run,
         of_comparison=tuple(outcome_gaps(controller)) if old and new else (),
         of_evidence=evidence_changes(controller.before, controller.after),
@@ -380,16 +382,18 @@ def _repeated(
 ) -> tuple[RiskVersion | None, list[float]]:
     """Return the later version with the earlier values of which its live run is a repetition.
 
-    For each comes how far, relatively, such runs repeat.
+    For each comes how far, relatively, such runs repeat. Where the hardware differs, or one run
+    was not live, there is none.
     """
     entries = controller.before.entry, controller.after.entry
-    traces = [entry.trace for entry in entries if entry is not None]
+    traces = [{} if entry is None else entry.trace for entry in entries]
     repeats: list[float] = []
     blocks: list[RiskBlock] = []
-    if before is None or after is None:
+    is_same_hardware = controller.before.hardware == controller.after.hardware
+    if before is None or after is None or not is_same_hardware:
         return after, repeats
     for name, block in after.blocks.items():
-        far = max((kept_repeats(trace, name) for trace in traces), default=0.0)
+        far = min(kept_repeats(trace, name) for trace in traces)
         same = as_repeated(block, before.blocks.get(name), far)
         pairs = zip(block.components, same.components, strict=True)
         repeats += [far for own, other in pairs if own.probability != other.probability]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _UNCOVERED, _CONTACTS, _TOUCHES = "uncovered", "unexpected_contacts", "touches"
 _REPEATS = "repeats"
 _LIVE_REPEATS = 0.03
+_MOST_REPEATS = 0.25  # of what differs by more, a diff speaks, whatever made it
 """How far exposures of two live runs differ, as a part of one (docs/ros.md#on-real-ros)."""
 _LIVE_MEETS_S = 0.3
 """How far the times differ in which nodes find each other, and end: five runs of a node of roscpp
@@ -256,13 +257,13 @@ def repeats_summary(trace: Trace, visits: Sequence[Visit]) -> dict[str, Any]:
         return {}
     is_at_an_end = trace.visits[0] in visits or trace.visits[-1] in visits
     repeats = _LIVE_REPEATS + (_LIVE_MEETS_S / lasting_s if is_at_an_end else 0.0)
-    return {_REPEATS: round(min(repeats, 1.0), 4)}
+    return {_REPEATS: round(min(repeats, _MOST_REPEATS), 4)}
 
 
 def kept_repeats(summary: Mapping[str, Any], function: str) -> float:
     """Return how far, relatively, the lock says that a function of a live run repeats."""
     repeats = _mapping(_mapping(summary.get("functions")).get(function)).get(_REPEATS)
-    return repeats if isinstance(repeats, float) and 0.0 < repeats <= 1.0 else 0.0
+    return repeats if isinstance(repeats, float) and 0.0 < repeats <= _MOST_REPEATS else 0.0
 
 
 def kept_uncovered(summary: Mapping[str, Any]) -> tuple[FunctionRef, ...]:

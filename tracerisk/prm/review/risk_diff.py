@@ -50,6 +50,9 @@ class RiskDiff:
     """Number of values that changed by less than `noise` and count as unchanged."""
     noise: float = NOISE
     """The relative change up to which a value counts as unchanged, greater where a run was live."""
+    stated: MissionFigures | None = None
+    """Figures of the later version's blocks as they stand, where `after` has earlier values of
+    which its live run is a repetition; `None` elsewhere."""
     inputs: tuple[str, ...] = ()
     """Inputs of the runs behind the blocks that differ, one sentence each."""
     hardware: tuple[str, ...] = ()

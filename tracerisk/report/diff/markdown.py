@@ -168,8 +168,7 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
         yield f"- {links.text(f'{wording.pin(pin)} ({place})')}"
     noise = diff.within_noise if diff.is_comparable else 0
     if noise:
-        least = f"{100.0 * diff.noise:.2g} %"
-        yield f"- values that changed by less than {least}, reported as unchanged: {noise}"
+        yield f"- values that changed by {wording.noise(diff)}, reported as unchanged: {noise}"
     if diff.single_points or diff.pins or noise:
         yield ""
     yield from _list(titled_lists.OF_PACE, titled_lists.of_pace(diff), links)

@@ -62,8 +62,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         yield from _list(title, entries, room)
     if diff.within_noise and diff.is_comparable:
         values = "value changes" if diff.within_noise == 1 else "values change"
-        least = f"{100.0 * diff.noise:.2g} %"
-        yield f"  {diff.within_noise} {values} by less than {least}: reported as unchanged"
+        yield f"  {diff.within_noise} {values} by {wording.noise(diff)}: reported as unchanged"
         yield ""
 
 

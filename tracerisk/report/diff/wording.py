@@ -37,6 +37,13 @@ _CAUSES = {
 }
 
 
+def noise(diff: RiskDiff) -> str:
+    """Return how little the values changed that count as unchanged."""
+    if diff.noise > NOISE:
+        return f"no more than live runs differ by themselves, {100.0 * diff.noise:.2g} % at most"
+    return f"less than {100.0 * NOISE:g} %"
+
+
 def first_of(lines: Sequence[str]) -> str:
     """Return the first of some sentences, and how many more there are."""
     return lines[0] + (f" (and {len(lines) - 1} more)" if len(lines) > 1 else "")

@@ -104,8 +104,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     ]
     note = ""
     if diff.within_noise and diff.is_comparable:
-        least = f"{100.0 * diff.noise:.2g} %"
-        note = f"Values that changed by less than {least}, reported as unchanged: "
+        note = f"Values that changed by {wording.noise(diff)}, reported as unchanged: "
         note += f"{diff.within_noise}."
     return _Controller(wording.name_of(diff), tuple(tables), tuple(lists), note)
 
