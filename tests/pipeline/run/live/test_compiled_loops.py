@@ -43,6 +43,7 @@ def test_the_condition_of_a_do_loop_counts():
 @pytest.mark.parametrize(
     "head",
     [
+        *("while (response.ok())", "while (planner->plan().ok())"),
         *("while (ros::ok() && !done)", "while (0)", "for (int i = 0; i < 9; ++i)"),
         *("for (const auto& part : parts)", "while (queue.pop())"),
     ],

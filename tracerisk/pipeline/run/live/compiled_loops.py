@@ -5,6 +5,7 @@ The rule is that of Python (`instrument/marks/endless_loops.py`).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,6 +22,7 @@ _EXITS = frozenset(
 _LEAVING = frozenset(
     {"return_statement", "goto_statement", "throw_statement", "co_return_statement"}
 )
+_OF_ROS = re.compile(r"ros|rclcpp|n_?|nh\w*|\w*node\w*", re.IGNORECASE)
 _IS_SHUTTING_DOWN = "isShuttingDown"
 
 
@@ -75,7 +77,7 @@ def _holds(test: Node) -> bool:
         return of is not None and _called(of) == _IS_SHUTTING_DOWN
     if test.type == "number_literal":
         return _text(test) not in ("0", "")
-    return test.type == "true" or _called(test) == "ok"
+    return test.type == "true" or _is_ok_of_ros(test)
 
 
 def _is_over(test: Node) -> bool:
@@ -85,7 +87,7 @@ def _is_over(test: Node) -> bool:
         return inside is not None and _is_over(inside)
     if test.type == "unary_expression":
         of = test.child_by_field_name("argument")
-        return of is not None and _called(of) == "ok"
+        return of is not None and _is_ok_of_ros(of)
     return _called(test) == _IS_SHUTTING_DOWN
 
 
@@ -107,13 +109,21 @@ def _leaves(node: Node, *, inner: bool) -> bool:
     return any(_leaves(part, inner=within) for part in parts)
 
 
+def _is_ok_of_ros(node: Node) -> bool:
+    """Return whether an expression asks ROS or a node for `ok()`, and no status of a library."""
+    owner, _, name = _path_called(node).rpartition(".")
+    return name == "ok" and _OF_ROS.fullmatch(owner.rpartition(".")[2]) is not None
+
+
 def _called(node: Node) -> str:
     """Return the last name of what an expression calls; empty if it is no call."""
+    return _path_called(node).rpartition(".")[2]
+
+
+def _path_called(node: Node) -> str:
+    """Return what an expression calls, with dots for all that joins names; empty for no call."""
     function = node.child_by_field_name("function") if node.type == "call_expression" else None
-    if function is None:
-        return ""
-    name = _text(function)
-    return name.replace("->", ".").replace("::", ".").rpartition(".")[2]
+    return "" if function is None else _text(function).replace("->", ".").replace("::", ".")
 
 
 def _text(node: Node) -> str:
