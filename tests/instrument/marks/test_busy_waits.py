@@ -17,6 +17,9 @@ class C:
     def step(self):
         self.n += 1
         return self.n < 9
+    def first(self): self.second(); self.step()
+    def second(self): self.first()
+    def again(self): return self.done or self.again()
     def wait(self):
         while {test}:
             {body}
@@ -43,6 +46,8 @@ def only_looks(test, body):
         ("True", "if self.pose: raise RuntimeError('no pose')"),
         ("a", "if a: pass\n            else: continue"),
         ("a", "while not b: pass"),
+        ("not self.again()", "pass"),
+        ("not future.done() and time.time() < end", "pass"),
     ],
 )
 def test_a_loop_that_changes_nothing_only_looks(test, body):
@@ -61,6 +66,8 @@ def test_a_loop_that_changes_nothing_only_looks(test, body):
         ("not self.done", "print(self.step())"),
         ("robot.move()", "pass"),
         ("(x := f)", "pass"),
+        ("self.second()", "pass"),
+        ("not done", "if not at_goal: self.step(); continue\n            break"),
         ("a", "while b: self.step(); break"),
     ],
 )

@@ -26,6 +26,9 @@ _SAYS = frozenset(
 _TELLS = frozenset(
     {"abs", "all", "any", "bool", "float", "format", "hasattr", "getattr", "int", "isinstance"}
     | {"is_alive", "is_set", "is_shutdown", "len", "max", "min", "ok", "round", "str", "sum"}
+    | {"done", "empty", "get_num_connections", "get_state", "is_connected", "is_moving", "locked"}
+    | {"get_subscription_count", "get_time", "monotonic", "now", "perf_counter", "time"}
+    | {"server_is_ready", "service_is_ready", "wait_for_server", "wait_for_service"}
 )
 """Calls that return what is so, and change nothing."""
 
@@ -35,6 +38,7 @@ _STILL = (
     *(ast.Pass, ast.Continue, ast.Break),
     *(ast.expr_context, ast.operator, ast.unaryop, ast.boolop, ast.cmpop),
 )
+_LOOPS = (ast.While, ast.For, ast.AsyncFor, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _LEAVE_LOOP = (ast.Return, ast.Raise, ast.Break)
 _LEAVE_ALL = (ast.Return, ast.Raise)
 
@@ -75,13 +79,15 @@ class Looks:
             if isinstance(node, _Function):
                 self._own.setdefault(node.name, []).append(node)
         self._known: dict[str, bool] = {}
+        self._asked: list[str] = []
+        self._n_assumed = 0
 
     def at(self, loop: ast.While) -> bool:
         """Return whether a loop only looks: only others can end it."""
         return self._looks(loop.test) and self._all(loop.body, _LEAVE_LOOP)
 
     def _all(self, body: Sequence[ast.stmt], leaving: Leaving) -> bool:
-        is_left = bool(body) and isinstance(body[-1], leaving)
+        is_left = bool(body) and isinstance(body[-1], leaving) and not _comes_round(body)
         return is_left or all(self._statement(node, leaving) for node in body)
 
     def _statement(self, node: ast.stmt, leaving: Leaving) -> bool:
@@ -106,15 +112,31 @@ class Looks:
         """Return whether a call of a name changes nothing."""
         if name is None:
             return False
-        if name not in self._known:
-            # Where one calls itself, its other statements decide.
-            self._known[name] = True
-            self._known[name] = (
-                all(self._all(function.body, ()) for function in self._own[name])
-                if name in self._own
-                else name in _SAYS | _TELLS
-            )
+        if name not in self._known and name not in self._own:
+            self._known[name] = name in _SAYS | _TELLS
+        elif name not in self._known:
+            if name in self._asked:
+                # Where one calls itself, its other statements decide.
+                self._n_assumed += 1
+                return True
+            self._asked.append(name)
+            n_assumed = self._n_assumed
+            tells = all(self._all(function.body, ()) for function in self._own[name])
+            self._asked.pop()
+            if tells and self._asked and self._n_assumed > n_assumed:
+                # It may rest on what is still being asked.
+                return tells
+            self._known[name] = tells
         return self._known[name]
+
+
+def _comes_round(body: Sequence[ast.AST]) -> bool:
+    """Return whether a `continue` of the loop itself is in its code."""
+    return any(
+        isinstance(node, ast.Continue)
+        or (not isinstance(node, _LOOPS) and _comes_round(tuple(ast.iter_child_nodes(node))))
+        for node in body
+    )
 
 
 def _is_still(node: ast.AST) -> bool:
