@@ -64,6 +64,7 @@ def test_after_its_block_a_placeholder_is_no_module_any_more():
         (lambda a: list(np.array([1.0, 2.0, 3.0]) - a.q), [*POSTURE]),
         (lambda a: list(2 * a.A(1) @ a.B), [*POSTURE]),
         (lambda a: list(np.eye(4) @ a.pose), [*POSTURE]),
+        (lambda a: bool(np.float64(2.0) > a.q) or bool(np.array([1.0]) < a.q), False),
         (lambda a: np.abs(a.q).tolist(), [abs(position) for position in POSTURE]),
         (lambda a: float(np.maximum.reduce(a.q)), max(POSTURE)),
         (lambda a: (a.q[np.int64(1)], a.q[-1]), (-0.7, 0.3)),

@@ -24,6 +24,9 @@ _OF_COLLECTIONS = frozenset(
     {"append", "cpu", "dtype", "items", "item", "keys", "ndim", "numpy", "shape", "size", "tolist"}
 )
 """By these attributes programs ask whether something is a number or more than one."""
+_COMPARISONS = frozenset(
+    {"equal", "not_equal", "greater", "greater_equal", "less", "less_equal"}
+)  # of NumPy
 _MOST_CALLS = 10_000  # at one instant: who asks so often waits for an answer that never comes
 
 
@@ -138,7 +141,12 @@ class Placeholder:
         return np.array(self._numbers(), dtype or float)
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
-        """Return the function of its numbers; arithmetic with arrays gives a placeholder."""
+        """Return the function of its numbers; arithmetic with arrays gives a placeholder.
+
+        A comparison is that of this class.
+        """
+        if ufunc.__name__ in _COMPARISONS:
+            return ufunc.__name__ == "not_equal"
         if len(inputs) > 1:
             return self
         return getattr(ufunc, method)(self.__array__(), **named)
