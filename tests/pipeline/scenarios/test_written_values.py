@@ -184,3 +184,20 @@ def test_a_command_of_a_banner_or_a_script_is_one_of_the_controller(tmp_path, fi
     program = Program(script, "cell", frozenset({"pick.py", "pick"}))
     (found,) = WrittenValues(tmp_path, program).arguments
     assert found == (("0.4", "0.1"), f"{file}:1")
+
+
+@pytest.mark.parametrize(
+    ("value", "here"),
+    [
+        ("src/cell/config/arm.yaml", "config/arm.yaml"),
+        ("config/arm.yaml", "config/arm.yaml"),
+        ("src/cell/config/none.yaml", "src/cell/config/none.yaml"),
+        ("package://cell/config/arm.yaml", "package://cell/config/arm.yaml"),
+        (f"a/{'x' * 300}", f"a/{'x' * 300}"),
+    ],
+)
+def test_a_path_that_is_not_there_is_the_file_of_the_repository_in_which_it_ends(
+    written, tmp_path, value, here
+):
+    (tmp_path / "setup.sh").write_text(f"rosparam set /cell/table '{value}'\n")
+    assert of(written, "parameter", "/cell/table", "string")[0] == here

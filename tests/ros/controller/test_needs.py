@@ -67,7 +67,7 @@ def test_an_exception_names_the_parameters_that_were_left_empty(ledger):
 
 
 def test_an_error_names_in_words_the_parameters_that_were_left_empty(ledger):
-    for name in ("/node/waypoints_file_path", "mode", "krl_file", "map_file"):
+    for name in ("/node/waypoints_file_path", "mode", "krl_file", "map_file", "_path"):
         ledger.take_default(Need("parameter", name, "string"), "", 1)
     ledger.note_error("No waypoints file path was provided")
     assert [lacking.need.name for lacking in ledger.sought_in_vain] == ["/node/waypoints_file_path"]

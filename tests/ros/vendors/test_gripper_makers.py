@@ -102,10 +102,8 @@ def test_an_open_manipulator_takes_its_services(run_on):
         "open_manipulator_x",
         """
 import rospy
-from open_manipulator_msgs.msg import KinematicsPose
 from open_manipulator_msgs.srv import *
 rospy.init_node('task')
-tool = rospy.wait_for_message('/kinematics_pose', KinematicsPose, timeout=1.0).pose.position
 names = ['joint1', 'joint2', 'joint3', 'joint4']
 def joints(name, positions, seconds, of=names):
     asked = SetJointPositionRequest(path_time=seconds)
@@ -128,7 +126,6 @@ rospy.sleep(2.2)
 """,
     )
     assert ran["planned"] == [True] * 4
-    assert ran["tool"].x > 0.05
     assert len(ran.commands) == 4
     assert ran.position("joint1") == pytest.approx(0.0, abs=0.02)
 

@@ -46,6 +46,7 @@ _RUNS = re.compile(
     r"(?:usage|example|e\.g\.)\s*:\s*(?=[\w./-]+\.py\s)",
     re.IGNORECASE,
 )
+_PATH = re.compile(r"[\w.-]{1,99}(/[\w.-]{1,99}){1,20}")
 _PLACEHOLDER = re.compile(r"^[\[<{].*[\]>}]?$|^\.\.\.$|[<>{}\[\]$|]")
 
 
@@ -151,7 +152,8 @@ class WrittenValues:
 
         Its author wrote it from the folder that holds the repository: `src/cell/config/a.yaml`.
         """
-        parts = Path(value).parts if isinstance(value, str) and "/" in value else ()
+        is_path = isinstance(value, str) and _PATH.fullmatch(value)
+        parts = Path(value).parts if is_path else ()
         for at in range(len(parts)):
             path = self._top.joinpath(*parts[at:])
             if path.is_file():

@@ -179,7 +179,7 @@ class NeedLedger:
     @property
     def sought_in_vain(self) -> tuple[Missed, ...]:
         """What was looked for and not found, or left empty, and is named in an error."""
-        empty = (found for message in self._errors for found in self._empty_in_words(message))
+        empty = (left for message in self._errors for left in self._empty_in_words(message))
         return (*self._sought_named_in(self._errors), *dict.fromkeys(empty))
 
     def _sought_named_in(self, messages: Iterable[str]) -> tuple[Missed, ...]:
@@ -191,11 +191,11 @@ class NeedLedger:
         )
 
     def _empty_in_words(self, message: str) -> Iterator[Missed]:
-        """Yield parameters left empty of whose names a message has each word: `no map file`."""
-        words = set(_WORD.findall(message.lower().replace("_", " ")))
+        """Yield parameters left empty whose names a message has in words: `no map file`."""
+        words = f" {' '.join(_WORD.findall(message.lower().replace('_', ' ')))} "
         for name, missed in self._left_empty.items():
-            parts = name.replace(".", "/").rpartition("/")[2].lower().split("_")
-            if len(parts) > 1 and words.issuperset(filter(None, parts)):
+            parts = name.replace(".", "/").rpartition("/")[2].lower().strip("_").split("_")
+            if len(parts) > 1 and f" {' '.join(parts)} " in words:
                 yield missed
 
     def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:

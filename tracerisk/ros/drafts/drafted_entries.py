@@ -219,7 +219,7 @@ def _start(lack: Lack) -> Made:
 
 def _mount(lack: Lack) -> Made:
     height = lack.values.mount()
-    words = f"so high in the world that {lack.values.robot.name} reaches the poses it is sent to"
+    words = f"a height from which {lack.values.robot.name} reaches the first poses it is sent to"
     return None if height is None else {"xyz": [0.0, 0.0, height]}, words
 
 

@@ -131,7 +131,7 @@ class UsableValues(ReachedPoses):
     served: Mapping[tuple[str, str], Collection[str]] = MappingProxyType({})
     """The names that drivers serve, by kind (`service`, `action`) and type, without namespace."""
     mount: Callable[[], float | None] = staticmethod(lambda: None)
-    """Returns the height of the base from which all goals are reached [m]; `None` for none."""
+    """Returns the height of the base from which the first goals are reached [m], if any."""
     shown_markers: Callable[[str], Sequence[Any]] = staticmethod(lambda _: ())
     """Returns the interactive markers for which feedback comes on a topic."""
 

@@ -280,7 +280,7 @@ class MoveGroupServer(RobotGroups):
         return self.sought.shift_to_reach(self._twin.link_pose(self.robot.base_link), self.reach)
 
     def mount_to_reach(self) -> float | None:
-        """Return the height of the base from which all goals are reached [m], where none is.
+        """Return the height of the base from which the first goals are reached [m], as none is.
 
         `None` where nothing helps, or the robot's file is the author's own and says it.
         """

@@ -32,7 +32,7 @@ class SoughtGoals:
                 self._sought[group, goal] = is_reached
 
     def mount_to_reach(self, base: Pose, reach: Reach) -> float | None:
-        """Return how high the base must stand [m] that goals are reached, of which none was.
+        """Return how high the base must stand [m] that the first goals are reached, as none was.
 
         Of the heights that help it is the middle one: what comes later is likely about there.
         None where a goal was reached, or no height helps.

@@ -27,11 +27,11 @@ from tracerisk.twin.robots.robot_parts import (
 from tracerisk.twin.robots.sensors import Sensor, joint_sensor
 
 SHIPPED_ROBOTS = Path(__file__).parent / "shipped"
+"""Where the files of the shipped robots are."""
 WORLD = "world"
 """The frame in which a robot stands."""
 WORLD_LINK = "world_link"
 """What the link `world` of a robot's file is called in the twin, where it is the root."""
-"""Where the files of the shipped robots are."""
 
 
 @dataclass(frozen=True, slots=True)

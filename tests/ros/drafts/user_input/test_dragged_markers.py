@@ -57,7 +57,7 @@ def used(*markers):
 
 
 def test_each_marker_is_dragged_and_each_leaf_of_its_menu_chosen():
-    arm = marker("arm", [7, 5], entry(1, "Move"), entry(2, "Slowly", 1), entry(3, "Fast", 1))
+    arm = marker("arm", [7, 5], entry(1, "Move"), entry(2, "Arm", 1), entry(3, "Arm", 1))
     assert used(arm, marker("go", [2])) == [
         ("arm", "c7", 1, 0),
         ("arm", "c7", 5, 0),

@@ -45,8 +45,10 @@ def dragged_in_turn(
             yield {**at, "control_name": moved, "event_type": _DRAGGED}
             yield {**at, "control_name": moved, "event_type": _LET_GO}
         parents = {entry.parent_id for entry in marker.menu_entries}
-        leaves = {e.title: e.id for e in marker.menu_entries if e.id not in parents}
-        for title in without_emergency(tuple(leaves)):
-            yield {**at, "event_type": _CHOSEN, "menu_entry_id": leaves[title]}
+        leaves = [entry for entry in marker.menu_entries if entry.id not in parents]
+        calm = without_emergency([entry.title for entry in leaves])
+        for entry in leaves:
+            if entry.title in calm:
+                yield {**at, "event_type": _CHOSEN, "menu_entry_id": entry.id}
         if _BUTTON in modes:
             yield {**at, "control_name": modes[_BUTTON], "event_type": _CLICKED}
