@@ -134,6 +134,13 @@ def test_grasping_needs_both_pads(panda: Robot):
     assert intervals(found.grasping) == [(200, 600)]
 
 
+def test_a_gripper_without_pads_moves_and_grasps_nothing(panda: Robot):
+    (hand,) = panda.grippers
+    bare = replace(panda, grippers=(replace(hand, pads=()),))
+    samples = crafted(panda, **pressing(panda, (1000, 2000, 20.0)))
+    assert not element_activity(samples, bare)["panda_hand"].grasping.any()
+
+
 def test_pads_that_are_pressed_from_outside_grasp_nothing(panda: Robot):
     forces = {f"force_{pad}": steps((100, 500, 30.0)) for pad in panda.grippers[0].pads}
     found = element_activity(crafted(panda, **forces), panda)["panda_hand"]

@@ -199,7 +199,8 @@ def _gripper_activity(
         travel = np.maximum(travel, far)
     torques = samples.torque[:, columns]
     rated = np.array([finger.velocity_limit for finger in fingers])
-    grip = samples.pad_force[:, pads].min(axis=1)
+    # A gripper whose file has no fingers that close on something presses nothing.
+    grip = samples.pad_force[:, pads].min(axis=1) if pads else np.zeros(n_steps)
     # What the drive presses with: a hand that is pressed on something needs none. The weight of
     # fingers that move against one another cancels.
     drive = np.abs((torques * signs).mean(axis=1))
