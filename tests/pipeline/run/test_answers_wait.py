@@ -58,9 +58,9 @@ def test_an_answer_waits_for_what_is_about_to_come(due_s, after_s):
 
 @pytest.mark.parametrize(
     ("answers", "after_s"),
-    [([], [0, 1, 2]), (["y"], [0, 1, 2]), (["y", "n"], [0, 0, 1]), (["y", "n", "y"], [0, 0, 0])],
+    [([], [1, 2, 3]), (["y"], [0, 2, 3]), (["y", "n"], [0, 0, 2]), (["y", "n", "y"], [0, 0, 0])],
 )
-def test_only_an_assumed_answer_comes_a_second_after_the_one_before(answers, after_s):
+def test_only_an_assumed_answer_takes_a_second_and_comes_after_the_one_before(answers, after_s):
     """Who scripts answers may mean to give one during a motion."""
     clock, told = Clock(), []
     recorder = SimpleNamespace(note=lambda *_, **__: None, finding=lambda *_, **__: None)

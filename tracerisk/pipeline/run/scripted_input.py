@@ -225,6 +225,9 @@ class Answers(io.TextIOBase):
                     asking_place(),
                     object_name=asked,
                 )
+                if not self._was_assumed:
+                    # Who types it has seen what the program says when it begins.
+                    self.scheduler.pass_until(self.scheduler.now_ns + _TYPED_NS)
                 return answer
             if question.is_answered and self.progress() is not None:
                 words = f"{asked} was given each answer that its code knows"
