@@ -47,11 +47,13 @@ Leaving: TypeAlias = "tuple[type[ast.stmt], ...]"
 
 def mark_turns(tree: ast.Module, module: str) -> None:
     """Insert the mark, imported from `module`, at the beginning of each turn of each `while`."""
-    used: dict[str, str] = {}
     loops = list(_loops(tree))
-    looks = Looks(tree) if loops else None
+    if not loops:
+        return
+    looks = Looks(tree)
+    used: dict[str, str] = {}
     for loop in loops:
-        name, mark = ("waited", WAITED) if looks and looks.at(loop) else ("turned", TURNED)
+        name, mark = ("waited", WAITED) if looks.at(loop) else ("turned", TURNED)
         used[name] = mark
         begin_with_call(loop.body, mark)
     import_into(tree, module, used)
@@ -98,7 +100,7 @@ class Looks:
             return self._looks(node.test) and all(self._all(body, leaves) for body in bodies)
         if isinstance(node, ast.Return | ast.Raise | ast.Expr):
             return self._looks(node)
-        return _is_still(node)
+        return isinstance(node, _STILL)
 
     def _looks(self, node: ast.AST) -> bool:
         if isinstance(node, _WORKS):
@@ -106,28 +108,30 @@ class Looks:
         if isinstance(node, ast.Call) and not self._tells(last_name(node.func)):
             return False
         is_known = isinstance(node, ast.expr | ast.Return | ast.Raise | ast.Expr | ast.keyword)
-        return all(map(self._looks, ast.iter_child_nodes(node))) if is_known else _is_still(node)
+        return (
+            all(map(self._looks, ast.iter_child_nodes(node)))
+            if is_known
+            else isinstance(node, _STILL)
+        )
 
     def _tells(self, name: str | None) -> bool:
         """Return whether a call of a name changes nothing."""
-        if name is None:
-            return False
-        if name not in self._known and name not in self._own:
-            self._known[name] = name in _SAYS | _TELLS
-        elif name not in self._known:
-            if name in self._asked:
-                # Where one calls itself, its other statements decide.
-                self._n_assumed += 1
-                return True
-            self._asked.append(name)
-            n_assumed = self._n_assumed
-            tells = all(self._all(function.body, ()) for function in self._own[name])
-            self._asked.pop()
-            if tells and self._asked and self._n_assumed > n_assumed:
-                # It may rest on what is still being asked.
-                return tells
+        if name not in self._own:
+            return name in _SAYS or name in _TELLS
+        if name in self._known:
+            return self._known[name]
+        if name in self._asked:
+            # Where one calls itself, its other statements decide.
+            self._n_assumed += 1
+            return True
+        self._asked.append(name)
+        n_assumed = self._n_assumed
+        tells = all(self._all(function.body, ()) for function in self._own[name])
+        self._asked.pop()
+        # Else it may rest on what is still being asked.
+        if not tells or not self._asked or self._n_assumed == n_assumed:
             self._known[name] = tells
-        return self._known[name]
+        return tells
 
 
 def _comes_round(body: Sequence[ast.AST]) -> bool:
@@ -137,7 +141,3 @@ def _comes_round(body: Sequence[ast.AST]) -> bool:
         or (not isinstance(node, _LOOPS) and _comes_round(tuple(ast.iter_child_nodes(node))))
         for node in body
     )
-
-
-def _is_still(node: ast.AST) -> bool:
-    return isinstance(node, _STILL)
