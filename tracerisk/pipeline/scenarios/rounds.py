@@ -346,7 +346,7 @@ class Rounds:
         self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
         self._used_s += sum(run.start_s + run.own_s for run in runs)
         chosen = next((run for run in runs if run.trace is trace), runs[-1])
-        if not (trace.is_usable and trace.functions):
+        if not Attempt(entries, trace).is_traced:
             # What nodes beside the controller give needs no scenario, unless it shows nothing so.
             had = entries.drafts.keys() | self.supply.cannot.keys()
             beside = next((run for run in reversed(runs) if is_accompanied(run)), chosen)

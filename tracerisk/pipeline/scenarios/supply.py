@@ -22,9 +22,8 @@ from tracerisk.pipeline.scenarios.entries import (
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_drafts import WrittenDrafts
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.controller.needs import Need, last_part
 from tracerisk.ros.drafts.draft import Draft
-from tracerisk.ros.drafts.drafted_parameter import last_part
 from tracerisk.ros.drafts.drafting import move_aside, stands_free
 from tracerisk.ros.scenario.file.lines import entry_lines
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario

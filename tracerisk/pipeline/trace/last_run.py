@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _UNCOVERED, _CONTACTS, _TOUCHES = "uncovered", "unexpected_contacts", "touches"
 _REPEATS = "repeats"
 _LIVE_REPEATS = 0.03
-_MOST_REPEATS = 0.25  # of what differs by more, a diff speaks, whatever made it
 """How far exposures of two live runs differ, as a part of one (docs/ros.md#on-real-ros)."""
+_MOST_REPEATS = 0.25  # of what differs by more, a diff speaks, whatever made it
 _LIVE_MEETS_S = 0.3
 """How far the times differ in which nodes find each other, and end: five runs of a node of roscpp
 whose commands took the same time to the step began 0.20 to 0.47 s after it, and ended within 0.08 s

@@ -194,19 +194,17 @@ class NeedLedger:
         """Yield parameters left empty whose names a message has in words: `no map file`."""
         words = f" {' '.join(_WORD.findall(message.lower().replace('_', ' ')))} "
         for name, missed in self._left_empty.items():
-            parts = name.replace(".", "/").rpartition("/")[2].lower().strip("_").split("_")
+            parts = last_part(name).lower().strip("_").split("_")
             if len(parts) > 1 and f" {' '.join(parts)} " in words:
                 yield missed
 
     def named_in(self, message: str, now_ns: int) -> tuple[Missed, ...]:
         """Return what the message of an exception names: parameters left empty, and objects."""
         words = set(_WORD.findall(message))
-        empty: Iterable[Missed] = tuple(
-            missed
-            for name, missed in self._left_empty.items()
-            if name.replace(".", "/").rpartition("/")[2] in words
+        as_written = (
+            missed for name, missed in self._left_empty.items() if last_part(name) in words
         )
-        empty = dict.fromkeys((*empty, *self._empty_in_words(message)))
+        empty = dict.fromkeys((*as_written, *self._empty_in_words(message)))
         lacking = (*empty, *self._sought_named_in([message]))
         return tuple(replace(missed, last_ns=now_ns) for missed in lacking)
 
@@ -225,6 +223,11 @@ class NeedLedger:
         known = self._missed.get((kind, name))
         if known is not None and not known.need.type_name:
             self._missed[kind, name] = replace(known, need=replace(known.need, type_name=type_name))
+
+
+def last_part(name: str) -> str:
+    """Return the last part of a parameter's name, as ROS 1 or ROS 2 writes it."""
+    return name.replace(".", "/").rpartition("/")[2].lstrip("~")
 
 
 def asking_place() -> Location | None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.controller.needs import Need, last_part
 from tracerisk.ros.drafts.asked_results import (
     Shape,
     compared_results,
@@ -54,11 +54,6 @@ def parameter_key(need: Need, place: Location | None) -> str:
         # Private to the node, whose own name may be another each time.
         key = f"~{_ANONYMOUS.sub('', key)}" if not written.startswith("~") else written
     return key
-
-
-def last_part(name: str) -> str:
-    """Return the last part of a parameter's name, as ROS 1 or ROS 2 writes it."""
-    return name.replace(".", "/").rpartition("/")[2].lstrip("~")
 
 
 def other_values(need: Need, place: Location | None, default: Any) -> tuple[str | bool, ...]:

@@ -43,9 +43,7 @@ class SoughtGoals:
         helpful = [
             height
             for height in _HEIGHTS
-            if all(
-                _is_reached(reach, base, group, goal, (0.0, 0.0, -height)) for group, goal in goals
-            )
+            if all(_is_reached(reach, base, *goal, (0.0, 0.0, -height)) for goal in goals)
         ]
         return helpful[len(helpful) // 2] if helpful else None
 
@@ -61,13 +59,13 @@ class SoughtGoals:
             return None
         x, y, z = missed[0].position
         wanted = [
-            (group, goal, pose)
-            for (group, goal), pose in seen.items()
+            key
+            for key, pose in seen.items()
             if abs(pose.position[0] - x) < _SAME_PLACE and abs(pose.position[1] - y) < _SAME_PLACE
         ]
 
         def is_reached(shift: Vector) -> bool:
-            return all(_is_reached(reach, base, group, goal, shift) for group, goal, _ in wanted)
+            return all(_is_reached(reach, base, *goal, shift) for goal in wanted)
 
         row = reachable_shift((x, y, z), is_reached)
         return None if row is None else ((x, y, z), row)
